@@ -1,4 +1,4 @@
-"""Pull-off of a lens from pillar tops that stick, beside the Adhesion package; see README.md.
+"""Pull-off of a lens from adhesive pillar tops, compared with the Adhesion package; see README.md.
 
 One process at a time on one thread; processor time of the whole process. Written to results/adhesion.md.
 """
@@ -9,23 +9,23 @@ import resource
 import subprocess
 
 import common
-from common import HERE, RESULTS, ROOT, say
+from common import HERE, RESULTS, ROOT, log
 
 # The paper's pillars at a surface fraction of 0.03, rigid, and its lens; micrometres, megapascals, and J/m^2.
 PITCH, PILLAR_RADIUS, LENS_RADIUS = 32.98911, 3.0, 2200.0
 MODULUS = 4.0 / 3.0
 WORK = 0.05
-# By the number of tops held: side of the square of the peer, and the indentation from which the lens is taken off.
+# By the number of attached tops: side of the square of the peer, and the indentation at the start of unloading.
 SIZES = {1: (16.0, 0.02), 7: (80.0, 0.3)}
-# Cells along a side, and range of the attraction: cells have to resolve it, and the tops have to be large beside it.
+# Cells along a side, and range of the attraction: the cells must resolve it, and the tops must be large compared with it.
 GRIDS = {1: [(64, 0.1), (128, 0.1), (128, 0.05), (256, 0.05)], 7: [(256, 0.2)]}
 QUICK = {1: [(64, 0.1)], 7: []}
-# Force that is left on a cell, relative to the largest attraction of a cell.
+# Residual force on a cell, relative to the largest attraction of a cell.
 TOLERANCE = 1e-3
 
 
 def measured(command, **settings):
-    """What a command prints as its last line, and its processor time."""
+    """The last line of the output of a command, and its processor time."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True, **settings)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -74,7 +74,7 @@ def run(options):
             found, spent = peer(python, tops, side, attraction)
             name = f"Adhesion, {side}² cells, range {1e3 * attraction:g} nm"
             rows.append((tops, name, MODULUS * found["pull_off"], truth, spent))
-            say(f"{tops} tops, {name}: {rows[-1]}")
+            log(f"{tops} tops, {name}: {rows[-1]}")
     folder = options.folder / "quick" if options.quick else RESULTS
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "adhesion.md").write_text(report(rows, estimate))
@@ -82,14 +82,14 @@ def run(options):
 
 def report(rows, estimate):
     lines = [
-        "# Pull-off from pillar tops that stick",
+        "# Pull-off from adhesive pillar tops",
         "",
         f"{common.versions()}; {common.processor()}, one thread; {common.now()}, load average {common.load_average()}.",
         "",
-        "One top: the error is that to Kendall's pull-off under a round lens, in closed form. Seven: to fakir's accurate form, which says of itself that the",
+        "One top: the error is that to Kendall's pull-off under a round lens, in closed form. Seven: to fakir's accurate form, whose estimates are that the",
         f"levels of its fronts may be {estimate['levels']:.0%} of the force and their shapes {estimate['model_fronts']:.0%}. The attraction of the peer has a range, which lowers the pull-off; cells have to resolve it.",
         "",
-        "| tops held | program | pull-off (uN) | error | processor time (s) |",
+        "| tops attached | program | pull-off (uN) | error | processor time (s) |",
         "|---|---|---|---|---|",
     ]
     lines += [

@@ -1,8 +1,8 @@
 """The retraction of a lens from a few rigid pillar tops by the Adhesion package: prints one JSON object.
 
 Lengths are in micrometres, the contact modulus is 1. The tops are hard walls that attract by the gap `g` with the energy
-`-w exp(-g/range)` per area; what is not a top is out of reach. The lens is taken off step by step, and at the pull-off by
-smaller steps again.
+`-w exp(-g/range)` per area; what is not a top is out of reach. The lens is withdrawn step by step, and near the pull-off again
+in smaller steps.
 """
 
 import json
@@ -41,7 +41,7 @@ class Retraction:
         self.cells_of_top = int(top.sum()) / len(order["centres"])
 
     def force(self, indentation, start):
-        """The force, and the displacement to start the next from."""
+        """The force, and the displacement from which the next step starts."""
         result = self.system.minimize_proxy(
             offset=indentation, initial_displacements=start,
             options={"gtol": self.tolerance * self.cell_force, "ftol": 0, "maxiter": 100_000, "maxcor": 10},
@@ -50,7 +50,7 @@ class Retraction:
         return float(self.system.compute_normal_force()), np.array(self.system.disp)
 
     def pull_off(self, indentation):
-        """The least force, and where; the force falls until the first top lets go."""
+        """The smallest force, and its indentation; the force decreases until the first top detaches."""
         least, kept = np.inf, None
         for step in STEPS:
             at = indentation if kept is None else kept[0]

@@ -1,4 +1,4 @@
-"""What every part needs: the environment of the peers, the programs, versions, the machine."""
+"""Common parts: the environment of the peers, the programs, versions, the machine."""
 
 import json
 import os
@@ -15,12 +15,12 @@ RESULTS = HERE / "results"
 PEERS = ["ContactMechanics", "Tamaas"]
 
 
-def say(text):
+def log(text):
     print(text, file=sys.stderr, flush=True)
 
 
 def settings(threads):
-    """Variables of the environment that ask for so many threads."""
+    """Environment variables that set the number of threads."""
     names = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"]
     return {**os.environ, **{name: str(threads) for name in names}}
 
@@ -37,8 +37,8 @@ def environment(folder):
 
 
 def build(*what):
-    """Builds fakir in release; the folder where it is."""
-    say("building fakir")
+    """Builds fakir in release, and returns the folder of the program."""
+    log("building fakir")
     subprocess.run(["cargo", "build", "--release", "--locked", "-q", *what], cwd=ROOT, check=True)
     return Path(metadata()["target_directory"]) / "release"
 
@@ -57,7 +57,7 @@ def output_of(*command):
 
 
 def fakir_version():
-    """With the commit, and a plus if something that it is built from differs from that."""
+    """Version with the commit, and a plus if a source file differs from the commit."""
     number = next(p["version"] for p in metadata()["packages"] if p["name"] == "fakir")
     commit = output_of("git", "rev-parse", "--short=10", "HEAD")
     changed = output_of("git", "status", "--porcelain", "--", "crates", "Cargo.toml", "Cargo.lock")
@@ -85,7 +85,7 @@ def processor():
 
 
 def load_average():
-    """Of the last minute: of all that the machine works on."""
+    """Load average of the machine over the last minute."""
     return round(os.getloadavg()[0], 2)
 
 

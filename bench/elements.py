@@ -1,4 +1,4 @@
-"""Solvers of elements beside each other: one product, one solution; see README.md.
+"""Comparison of boundary element solvers: one product, one solution; see README.md.
 
 Everything is measured in one session, one process at a time, the programs taking turns; medians
 of the repeats are written to results/elements.md.
@@ -9,7 +9,7 @@ import statistics
 import subprocess
 
 import common
-from common import HERE, PEERS, RESULTS, say
+from common import HERE, PEERS, RESULTS, log
 
 SIDES = [256, 512, 1024, 2048]
 THREADS = [1, 2]
@@ -94,7 +94,7 @@ def products(programs, repeats, sides):
         assert max(checks) - min(checks) < 1e-6 * abs(checks[0]), checks
         for (threads, program), measured in answers.items():
             rows.append((side, threads, program, measured))
-            say(f"product {side} {threads} {program}: {1e3 * median(measured, 'product_s'):.1f} ms")
+            log(f"product {side} {threads} {program}: {1e3 * median(measured, 'product_s'):.1f} ms")
     return rows
 
 
@@ -113,11 +113,11 @@ def error(problem, answer):
 
 
 def calibrate(programs, program, problem):
-    """The loosest tolerance that solves well enough, with what it took."""
+    """The largest tolerance with a sufficient accuracy, with its cost."""
     for tolerance in LADDER:
         answer = programs.solve(program, problem, tolerance, 1, verbose=True)
         answer["error"] = error(problem, answer)
-        say(f"{problem['name']}, {program} at {tolerance:.0e}: {answer}")
+        log(f"{problem['name']}, {program} at {tolerance:.0e}: {answer}")
         if answer["error"] <= ERROR and answer["ended"] == "converged":
             return tolerance, answer
     return None, answer
@@ -143,7 +143,7 @@ def solutions(programs, folder, repeats, names):
                 measured = answers.get((threads, program), [])
                 rows.append((problem, threads, program, tolerance, first, measured))
                 if measured:
-                    say(f"{problem['name']} {threads} {program}: {median(measured, 'total_s'):.3f} s")
+                    log(f"{problem['name']} {threads} {program}: {median(measured, 'total_s'):.3f} s")
     return rows
 
 

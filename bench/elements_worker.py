@@ -1,7 +1,7 @@
 """One product or one solution by a peer, timed: prints one JSON object.
 
 Runs in the environment that run.py makes. The compliance of the half-space is 1, so that the
-contact modulus is 1. Memory is that of the process above what it held before the operator was
+contact modulus is 1. Memory is the increase of the process from before the operator was
 made.
 """
 
@@ -169,7 +169,7 @@ def solve_tamaas(separation, cell, boundary, load, tolerance, threads, verbose):
     solver.max_iter = 100_000
     mean_pressure = load["force"] / (rows * cell * columns * cell)
     if verbose:
-        # It tells its iterations to the standard error only; run.py reads them there.
+        # It prints its iterations to the standard error only; run.py reads them there.
         solver.dump_freq = 1
         tamaas.set_log_level(tamaas.LogLevel.info)
     error = solver.solve(mean_pressure)

@@ -1,8 +1,8 @@
-"""Runs a command for so many seconds at most, and tells what its process took.
+"""Runs a command with a time limit, and prints the resources of its process.
 
     python -I -S launch.py SECONDS COMMAND ...
 
-The last line of standard output is a JSON object. A process of its own, started without the site
+The last line of standard output is a JSON object. A separate process, started without the site
 packages: the peak memory that the system reports of a process includes that of the process that
 started it, which is to be small therefore.
 """

@@ -3,7 +3,7 @@
 import subprocess
 
 import common
-from common import RESULTS, say
+from common import RESULTS, log
 
 COMMAND = "python3 bench/run.py limits"
 WORDS = """\
@@ -30,4 +30,4 @@ def run(options):
     folder = options.folder / "quick" if options.quick else RESULTS
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "limits.md").write_text(WORDS.format(where=where, command=COMMAND, table=done.stdout.strip()))
-    say(f"written: {folder}/limits.md")
+    log(f"written: {folder}/limits.md")

@@ -1,8 +1,8 @@
 """The contact problems that every program solves: writes files of separations to a folder and
-prints what belongs to them as JSON.
+prints their data as JSON.
 
-The contact modulus is 1. Each problem says which programs take its load as it is; the others are
-given the force that belongs to it. The scale of a load is that of its interpenetrations.
+The contact modulus is 1. Each problem lists the programs that take its load as it is; the others are
+given the corresponding force. The scale of a load is that of its interpenetrations.
 """
 
 import json
@@ -52,7 +52,7 @@ def pillars(count):
     separation = radius - np.sqrt(radius**2 - x * x - y * y) + np.where(on_pillar, 0.0, height)
     found = problem(f"pillars {count}", 256.0 / count, "free", separation)
     load = {"indentation": indentation, "scale": indentation}
-    # Cells that are apart by more than the indentation can bear nothing.
+    # Cells with a separation above the indentation cannot carry load.
     return {**found, "load": load, "reach": indentation, "takes": ["fakir", "ContactMechanics"]}
 
 

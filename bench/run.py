@@ -1,4 +1,4 @@
-"""fakir beside its peers, in one command; see README.md.
+"""Compares fakir with its peers, in one command; see README.md.
 
     python3 bench/run.py                  # everything
     python3 bench/run.py texture --surface-fraction 0.1
@@ -33,9 +33,9 @@ def main():
                         help="where the environment and the problems are put (default: %(default)s)")
     group = parser.add_argument_group("texture")
     group.add_argument("--surface-fraction", type=float, action="append", choices=list(texture.PRESSED),
-                       help="only this (repeatable); what is known of the others is kept")
+                       help="only this (repeatable); previous results of the others are kept")
     group.add_argument("--resume", action="store_true", help="keep all runs that are in the table, and do the others")
-    group.add_argument("--report", action="store_true", help="measure nothing; write the report and figures anew")
+    group.add_argument("--report", action="store_true", help="measure nothing; write the report and figures again")
     group = parser.add_argument_group("elements and surfaces")
     group.add_argument("--repeats", type=int, default=3)
     group.add_argument("--problem", action="append", default=[], help="only this, such as 'sphere 512' (repeatable)")

@@ -9,7 +9,7 @@ import subprocess
 import venv
 
 import common
-from common import HERE, RESULTS, say
+from common import HERE, RESULTS, log
 
 SIDES = [1024, 2048]
 TOLERANCES = [1e-5, 1e-8]
@@ -98,7 +98,7 @@ def run(options):
             if options.problem and f"{problem['name']} {side}" not in options.problem:
                 continue
             for row in rows_of(programs, problem, repeats):
-                say(row)
+                log(row)
                 rows.append(row)
     head = HEAD.format(
         version=common.fakir_version(), processor=common.processor(), day=common.now()[:10], repeats=repeats,

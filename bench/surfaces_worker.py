@@ -3,8 +3,8 @@
     surfaces_worker.py '{"task": "problems", "folder": "...", "side": 1024}'
     surfaces_worker.py '{"task": "solve", "problem": {...}, "way": {...}, "tolerance": 1e-5}'
 
-Runs in the environment that surfaces.py makes. The contact modulus and the side of every surface are 1. Memory is that of the process above
-what it held before, with the separation read and the modules loaded.
+Runs in the environment that surfaces.py makes. The contact modulus and the side of every surface are 1. Memory is the increase of the process
+from the state with the separation read and the modules loaded.
 """
 
 import json

@@ -7,7 +7,7 @@ import sys
 
 import common
 import texture_report
-from common import HERE, PEERS, RESULTS, say
+from common import HERE, PEERS, RESULTS, log
 from texture_rows import (
     FAKIR,
     INDENTATIONS,
@@ -70,8 +70,8 @@ def launched(command):
     printed, process = done.stdout.rstrip().rsplit("\n", 1)
     process = json.loads(process)
     if process["status"] != 0:
-        said = (done.stderr or printed).strip().splitlines()
-        raise Failed(said[-1] if said else f"ended with {process['status']}")
+        messages = (done.stderr or printed).strip().splitlines()
+        raise Failed(messages[-1] if messages else f"ended with {process['status']}")
     return printed, process
 
 
@@ -117,7 +117,7 @@ class Programs:
         }
 
     def question(self, fraction, question):
-        """The command of fakir that asks it."""
+        """The command of fakir for this question."""
         if question == "transition":
             return [self.fakir, question, self.case, "--quiet", "--json"]
         load = ["--indentation", repr(INDENTATIONS[question][fraction])]
@@ -187,20 +187,20 @@ def take(programs, table, what, turn):
     if len(before) > turn or enough or (turn and not before):
         return
     if program != "fakir" and too_much(table.rows, fraction, question, program, int(setting)):
-        say(f"{what}: left out, beyond {MOST_SECONDS:.0f} s or {MOST_BYTES / 1e9:.0f} GB")
+        log(f"{what}: left out, beyond {MOST_SECONDS:.0f} s or {MOST_BYTES / 1e9:.0f} GB")
         return
     try:
         found = programs.measure(*what)
     except Failed as failure:
-        say(f"{what}: {failure}")
+        log(f"{what}: {failure}")
         return
     row = Row(*what, run=turn + 1, **found)
     table.add(row)
-    say(f"{what}: {row.processor_s:.3f} s, {row.peak_bytes / 1e6:.0f} MB, {row.force_N:.8e} N")
+    log(f"{what}: {row.processor_s:.3f} s, {row.peak_bytes / 1e6:.0f} MB, {row.force_N:.8e} N")
 
 
 def run(options):
-    """Measures, unless the report alone is wanted, and writes what comes of it."""
+    """Measures, unless only the report is requested, and writes the results."""
     fractions = options.surface_fraction or ([0.01] if options.quick else list(PRESSED))
     results = options.folder / "quick" if options.quick else RESULTS
     table = Table(results)
@@ -214,4 +214,4 @@ def run(options):
         measure(programs, table, fractions, options.quick)
     texture_report.write(table.rows, results)
     subprocess.run([python, HERE / "texture_figure.py", results], check=True)
-    say(f"written: {results}/texture.csv, texture.md, and figures")
+    log(f"written: {results}/texture.csv, texture.md, and figures")

@@ -45,7 +45,7 @@ def draw(axes, found, cost):
     love = [p for p in found if p.program == "fakir" and p.setting.startswith("love")]
     if love:
         axes.loglog([cost(p) for p in love], [p.shown_error for p in love], "^-", color="#5a8f3d", ms=5, lw=1.2,
-                    label="fakir, Love elements: 8, 16, 32 cells\nacross a pillar")
+                    label="fakir, boundary elements: 8, 16, 32 cells\nacross a pillar")
     for error in [1e-2, 1e-3]:
         axes.axhline(error, color="0.75", lw=0.8, zorder=0)
     axes.grid(True, which="major", color="0.92", lw=0.6)

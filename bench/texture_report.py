@@ -8,9 +8,9 @@ COMMAND = "python3 bench/run.py texture"
 HEADLINES = [
     (0.1, "transition", "force", [1e-2, 1e-3]),
     (0.03, "mixed", "force", [1e-2, 1e-3]),
-    (0.03, "mixed", "share of the floor", [1e-1, 1e-2]),
+    (0.03, "mixed", "fraction of the load on the floor", [1e-1, 1e-2]),
     (0.1, "mixed", "force", [1e-2, 1e-3]),
-    (0.1, "mixed", "share of the floor", [1e-1, 1e-2]),
+    (0.1, "mixed", "fraction of the load on the floor", [1e-1, 1e-2]),
 ]
 TITLES = {
     "transition": "critical state",
@@ -153,7 +153,7 @@ def text(rows):
                 f"Truth: force {1e3 * truth.force_N:.7g} mN, indentation {1e6 * truth.indentation_m:.7g} µm, "
                 f"estimated error {truth.estimated_force_error:.0e}."
                 + (
-                    f" The floor bears {truth.floor_share:.6g} of it, estimated error {truth.estimated_share_error:.0e}."
+                    f" The floor carries {truth.floor_share:.6g} of it, estimated error {truth.estimated_share_error:.0e}."
                     if truth.floor_share
                     else ""
                 ),

@@ -21,7 +21,7 @@ FAKIR = {
     "love 32": ["method.name=love", "method.cells_per_diameter=32"],
 }
 TRUTH = "spectral, accurate"
-# Of fakir's methods those that let the floor bear its part.
+# Methods of fakir that include floor contact.
 WITH_FLOOR = ["spectral", TRUTH]
 # What a program may take for one measurement.
 MOST_SECONDS, MOST_BYTES = 300.0, 8e9
@@ -109,9 +109,9 @@ class Point:
     net_bytes: float
     force_error: float
     indentation_error: float
-    # None where the floor bears nothing.
+    # None if the floor carries no load.
     share_error: float | None
-    # Smaller errors cannot be told from those of the truth: of force and indentation, and of the share.
+    # Smaller errors cannot be distinguished from those of the reference: of force and indentation, and of the share.
     resolution: float
     share_resolution: float | None
     runs: int

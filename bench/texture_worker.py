@@ -2,13 +2,13 @@
 
     python texture_worker.py '{"peer": "Tamaas", "question": "transition", "cells": 512, ...}'
 
-Runs in the environment that run.py makes, in a process of its own for every measurement. Lengths
+Runs in the environment that run.py makes, in a separate process for every measurement. Lengths
 are in um, moduli in MPa, forces in uN.
 
-The grid is a square that just holds the contact. Its cells on pillar tops are those whose centre
-is on one. The others are lowered so far that they bear nothing, and the gap to the real floor is
+The grid is the smallest square that contains the contact. Its cells on pillar tops are those whose centre
+is on one. The others are lowered so far that they carry no load, and the gap to the real floor is
 read from the displacements there; so states past the critical one are solved, and can be
-interpolated between. In mixed contact they are the floor and bear their part. Each grid starts from Hertz's pressure on the tops and, on the same grid, from the
+interpolated between. In mixed contact they are the floor and carry load. Each grid starts from Hertz's pressure on the tops and, on the same grid, from the
 solution before. The load starts at the true one on the coarsest grid, and where the coarser grids
 point to on the others, which are solved first, in the same process and time. It is moved along the
 slope that the gap had, until the step left is so small that it can be taken without another
@@ -109,7 +109,7 @@ class Texture:
         return float(smallest)
 
     def floor_force(self, pressure):
-        """What the cells bear that are no top."""
+        """The load of the cells outside the tops."""
         return float(pressure[~self.top].sum()) * self.cell**2
 
     def hertz(self, force):
@@ -164,7 +164,7 @@ class ContactMechanics:
 
 
 class Tamaas:
-    """Takes a force, as mean pressure; goes on from the pressure that the model has."""
+    """Solves for a force, given as mean pressure; starts from the pressure of the model."""
 
     takes = "force"
 
@@ -192,7 +192,7 @@ class Tamaas:
         error = self.solver.solve(force / texture.width**2)
         if error > self.solver.tolerance:
             raise RuntimeError(f"stopped at {error:e}")
-        # Its displacement lacks the indentation, and is touched where the gap is.
+        # Its displacement does not include the indentation, which follows from the cells in contact.
         pressure, displacement = model.traction, model.displacement
         model.operators["free"](pressure, displacement)
         load = pressure.sum()
@@ -247,7 +247,7 @@ class Search:
             here = (load, residual(self.question, self.order, state), state)
             if previous:
                 self.slopes = slopes(previous, here)
-            # From the coarsest grid there is no slope; it takes a step that is certain to tell one.
+            # The coarsest grid has no previous slope; the step is large enough to determine one.
             step = -here[1] / self.slopes["residual"] if self.slopes else 0.02
             if self.slopes and abs(step) < STEP:
                 for key in LOADS:

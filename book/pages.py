@@ -1,4 +1,4 @@
-"""Runs what the pages of the manual show, and compares it with what they say.
+"""Executes the blocks of the pages of the manual, and compares the output with the pages.
 
     python book/pages.py PAGES OUTPUT [--update] [--only NAME]
 
@@ -7,14 +7,14 @@ A working folder contains the files that pages use, at the paths that they have 
 line from the root of a clone. No two pages may create the same file or folder there, so that a reader can also run all
 pages one after another, in any order. Blocks that are run:
 
-```console          commands after "$ " (a line that ends with \\ goes on), each followed by what it prints;
-                    "console,status=2" says with what status the last of them ends, otherwise 0
-```python           lines of Python, in one interpreter for the whole page; what they print, and the value of the
+```console          commands after "$ " (a line that ends with \\ is continued), each followed by its output;
+                    "console,status=2" gives the exit status of the last one, otherwise 0
+```python           lines of Python, in one interpreter for the whole page; their output, and the value of the
                     last line, is the block ```text that follows; "python,hidden" is run and not shown
-```generate         a command, in whose place its output stands; "generate,toml" names a language of that block,
+```generate         a command that is replaced by its output; "generate,toml" names a language of that block,
                     "generate,markdown" makes it a part of the page
 
-Other blocks are not run. With --update blocks that differ are rewritten to show what was printed.
+Other blocks are not run. With --update blocks that differ are replaced by the output.
 
 Numbers are compared as numbers, so that a page stays the same when sums are computed in another order. Two numbers agree
 
@@ -57,14 +57,14 @@ STEPS = re.compile(r"\b(Newton steps|iterations|rounds|converged in) +\d+\b")
 
 # A number that is not a part of a word, a name or a version.
 NUMBER = re.compile(r"(?<![\w.-])([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?!\w|\.\d)")
-# What shows that a whole number before it was measured.
+# Words after a whole number that show that it was measured.
 UNIT = re.compile(r" ?(%|°|(rad|deg|[pnuµmkMG]?(m|N|J|Pa))\b)")
-# What shows that the number after it is an error estimate.
+# Words before a number that show that it is an error estimate.
 ESTIMATE = re.compile(r"(?<!standard )\berror|_error|difference|allowed", re.IGNORECASE)
 
 
 class Different(Exception):
-    """A page that says something else than what it shows prints."""
+    """A page that differs from the output of its commands."""
 
 
 def compared(text):
@@ -90,23 +90,23 @@ def numbers_agree(one, other, before, after):
     return bool(estimates) or abs(pair[0] - pair[1]) <= max(allowed)
 
 
-def lines_agree(says, prints):
+def lines_agree(expected, actual):
     """Whether two lines have the same words, and numbers that agree."""
     # Words are at even places, numbers between them.
-    one, other = NUMBER.split(says), NUMBER.split(prints)
+    one, other = NUMBER.split(expected), NUMBER.split(actual)
     return one[::2] == other[::2] and all(
         numbers_agree(one[k], other[k], one[k - 1], one[k + 1]) for k in range(1, len(one), 2)
     )
 
 
-def difference(place, says, prints):
+def difference(place, expected, actual):
     """The differences between a page and its program, as text; None if they agree."""
-    said, printed = compared(says), compared(prints)
-    if len(said) == len(printed) and all(map(lines_agree, said, printed)):
+    shown, printed = compared(expected), compared(actual)
+    if len(shown) == len(printed) and all(map(lines_agree, shown, printed)):
         return None
-    # Lines that agree are no difference to be shown.
-    printed = [next((line for line in said if lines_agree(line, new)), new) for new in printed]
-    lines = difflib.unified_diff(said, printed, f"{place}, as the page says", "as it prints", "", "", 1, "")
+    # Lines that agree are not shown as a difference.
+    printed = [next((line for line in shown if lines_agree(line, new)), new) for new in printed]
+    lines = difflib.unified_diff(shown, printed, f"{place}, on the page", "as printed", "", "", 1, "")
     return "\n".join(lines)
 
 
@@ -120,7 +120,7 @@ class Page:
         self.names = {"__name__": "__main__"}
 
     def run(self):
-        """The page as it is laid out; what it says is corrected in `text` where that is wanted."""
+        """The page with its output; `text` is corrected if it is to be updated."""
         shown, kept, end = [], [], 0
         blocks = [*BLOCK.finditer(self.text)]
         for number, block in enumerate(blocks):
@@ -158,8 +158,8 @@ class Page:
         near = self.text[block.end() : following.start()].strip() == ""
         return following if near and following["kind"] == "text" else None
 
-    def differs(self, block, says, prints):
-        problem = difference(self.place(block), says, prints)
+    def differs(self, block, expected, actual):
+        problem = difference(self.place(block), expected, actual)
         if problem and not self.update:
             self.problems.append(problem)
         return problem is not None
@@ -197,18 +197,18 @@ class Page:
         for number, (command, output) in enumerate(commands):
             expected = status if number + 1 == len(commands) else 0
             printed = self.command("\n".join(command).removeprefix("$ "), expected, block)
-            said = "\n".join(output)
-            if self.differs(block, said, printed):
-                said = printed
-            lines += command + [said] * bool(said)
+            shown = "\n".join(output)
+            if self.differs(block, shown, printed):
+                shown = printed
+            lines += command + [shown] * bool(shown)
         return "\n".join(lines) + "\n```\n"
 
     def python(self, block, words, following):
         printed = self.value(block)
-        said = following["body"].strip("\n") if following else ""
-        if self.differs(block, said, printed):
-            said = printed
-        output = f"\n```text\n{said}\n```\n" if said else ""
+        shown = following["body"].strip("\n") if following else ""
+        if self.differs(block, shown, printed):
+            shown = printed
+        output = f"\n```text\n{shown}\n```\n" if shown else ""
         source = block[0] + output
         shown = output if "hidden" in words else block[0].replace(",hidden", "") + output
         return source, shown
@@ -320,12 +320,12 @@ def main(arguments):
     sources = [(path, path.relative_to(pages)) for path in sorted(pages.rglob("*.md"))]
     sources += [(path, Path("theory") / path.name) for path in sorted(THEORY.glob("*.md"))]
     sources.append((README, Path("README.md")))
-    wanted = [source for source in sources if only in str(source[1])]
+    required = [source for source in sources if only in str(source[1])]
     problems, made = [], {}
     # As many at a time as there are processors.
     with concurrent.futures.ProcessPoolExecutor() as processes:
-        running = [processes.submit(run_page, *source, output, update) for source in wanted]
-        for (_, page), run in zip(wanted, running):
+        running = [processes.submit(run_page, *source, output, update) for source in required]
+        for (_, page), run in zip(required, running):
             found, made[page] = run.result()
             problems += found
     problems += created_twice(made)

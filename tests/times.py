@@ -2,7 +2,7 @@
 
     python tests/times.py PROGRAM FOLDER NAME [PROGRAM FOLDER NAME ...]
 
-Runs each test of the programs in a process of its own and one thread, so that what a test shares with others counts for
+Runs each test of the programs in a separate process with one thread, so that a result that several tests share counts for
 each of them. Tests of the second tier (marked `ignore`) are printed with a star.
 """
 

@@ -62,7 +62,7 @@ flat = fakir.bem.Surface(
 )
 contact = flat.press(indentation="1 um")
 known = 4 / 3 * REDUCED * math.sqrt(2.2e-3) * 1e-6**1.5
-compare("Hertz by elements: force, N", "Hertz (1882)", contact.force, known, 2e-3)
+compare("Hertz, boundary elements: force, N", "Hertz (1882)", contact.force, known, 2e-3)
 
 # Lattice sums: sum of 1/r^3 over a hexagonal lattice is 6 zeta(3/2) L(3/2), L of the character mod 3.
 numbers = np.arange(1, 2_000_001)

@@ -9,7 +9,7 @@ import fakir
 
 SHOWN = {
     "spectral_default": "spectral",
-    "love": "Love elements, 16 cells",
+    "love": "boundary elements, 16 cells",
     "punch_corrected": "punch, corrected",
     "punch_plain": "punch, plain",
     "homogenised": "homogenised",

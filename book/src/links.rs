@@ -43,7 +43,7 @@ pub(crate) fn check(output: &Path) -> Result<(), String> {
             }
         }
     }
-    println!("{} pages, all links inside the book hold", pages.len());
+    println!("{} pages, all links inside the book are valid", pages.len());
     if problems.is_empty() {
         Ok(())
     } else {

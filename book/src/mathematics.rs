@@ -62,6 +62,6 @@ fn plain(mathml: &str) -> String {
             _ => text.push(c),
         }
     }
-    // The library leaves out a space that HTML asks for.
+    // The library omits a space that HTML requires.
     text.replace("\"minsize", "\" minsize")
 }

@@ -1,5 +1,5 @@
-//! Every figure, checked as a reader would: text on the page and apart, SVG that another program
-//! reads and draws the same, PNG of the right size.
+//! Checks of every figure: texts are on the page and do not overlap, another program renders the
+//! SVG in the same way, and the PNG has the correct size.
 
 #![allow(clippy::unwrap_used)]
 
@@ -51,7 +51,7 @@ fn press(system: &System, force: f64) -> ContactState {
     fakir::press(system, load, Method::default(), &Run::default()).unwrap()
 }
 
-/// What shows one critical state.
+/// Figures of one critical state.
 fn figures_of(critical: &CriticalState) -> Vec<Figure> {
     let (state, run) = (&critical.contact, Run::default());
     let middle = press(&state.system, 0.4 * state.force);
@@ -178,7 +178,7 @@ fn figures_of_many_states() -> Vec<Figure> {
 }
 
 /// Contacts on cells: a lens on the pillars of a free surface at its critical state, a plate on a
-/// period that is no square, and a lens that hardly touches a rough map.
+/// period that is not square, and a lens with a very small contact on a rough map.
 fn figures_of_surfaces() -> Vec<Figure> {
     let rubber = Material::new(2e6, 0.5);
     let lens = Indenter::Lens(Lens {
@@ -238,7 +238,7 @@ fn figures_of_surfaces() -> Vec<Figure> {
     .collect()
 }
 
-/// Loadings with and without a contact radius, to the critical state, past it, and short of it.
+/// Loadings with and without a contact radius, up to the critical state, past it, and ending before it.
 fn figures_of_loadings() -> Vec<Figure> {
     let point = |indentation: f64| LoadingPoint {
         indentation,
@@ -338,7 +338,7 @@ fn charts_of_odd_data() -> Vec<Figure> {
     ]
 }
 
-/// As the outside sees it: no fonts of the system, those of the figure alone.
+/// The figure in another program, with its own fonts and without those of the system.
 fn parsed(svg: &str) -> usvg::Tree {
     let mut fonts = fontdb::Database::new();
     for face in ["Regular", "Italic"] {
@@ -368,7 +368,7 @@ fn texts(group: &usvg::Group, boxes: &mut Vec<(String, usvg::Rect)>) {
     }
 }
 
-/// Text as the other program lays it out is on the page.
+/// All text is on the page in the layout of the other program.
 fn assert_text_on_page(figure: &Figure, tree: &usvg::Tree) {
     let mut boxes = Vec::new();
     texts(tree.root(), &mut boxes);
@@ -376,7 +376,7 @@ fn assert_text_on_page(figure: &Figure, tree: &usvg::Tree) {
     let size = tree.size();
     for (words, bounds) in &boxes {
         let inside = bounds.left() >= 0.0
-            && bounds.top() >= -2.0 // its box is that of the font, not of the ink
+            && bounds.top() >= -2.0 // its box is that of the font, not of the glyphs
             && bounds.right() <= size.width()
             && bounds.bottom() <= size.height() + 2.0;
         assert!(inside, "{}: {words} at {bounds:?}", figure.name());
@@ -406,7 +406,7 @@ fn assert_same_picture(figure: &Figure, tree: &usvg::Tree) {
         .flat_map(|p| [p.red(), p.green(), p.blue()])
         .collect();
     let mine = decoded(&figure.png(), [width, height]);
-    // Rounded coordinates and another rasteriser change edges only; a missing or shifted label
+    // Rounded coordinates and another rasteriser only change edges; a missing or shifted label
     // changes the mean by about 0.1, a missing map by 10.
     let difference = difference(&mine, &other);
     // Fringes are as fine as pixels, and images are interpolated in other ways.
@@ -455,7 +455,7 @@ fn one_pillar() {
     )));
 }
 
-/// Past the transition the floor is shown too.
+/// Past the transition the figures include the floor.
 #[test]
 fn mixed_contact() {
     let run = Run::default();
@@ -474,7 +474,7 @@ fn mixed_contact() {
         top_view(&state, View::Contact, &run).unwrap(),
         profiles(&[section], &run).unwrap(),
     ]);
-    // In the section lens and floor are together where the floor bears, as well as its cells tell.
+    // In the section the gap is zero where the floor carries load, within the resolution of its cells.
     let half_width = Section::half_width(&state);
     let section = Section::new(&state, half_width, None, SectionDetail::Screen, &run).unwrap();
     assert!(!section.floor_patches.is_empty());
@@ -489,7 +489,7 @@ fn mixed_contact() {
             assert!((lens - surface).abs() < 5e-3 * 2.2e-6, "at {x}");
         }
     }
-    // Without the floor nothing of it can be shown.
+    // Without floor contact no figure of the floor is possible.
     assert_eq!(
         floor_pressure_map(&critical).unwrap_err(),
         FigureError::NoFloorContact
@@ -571,7 +571,7 @@ fn methods_without_pillars_are_refused() {
 }
 
 #[test]
-fn what_is_said_about_a_figure_is_in_its_files() {
+fn metadata_of_a_figure_is_in_its_files() {
     let [title, description, source] =
         ["F < G & φ", "Ångström, \"quoted\"", "fakir 0.1.0, φ = 0.1"];
     let figure = charts_of_odd_data()
@@ -632,8 +632,8 @@ fn contacts_with_surfaces() {
     check(&figures_of_surfaces());
 }
 
-/// A cycle by both kinds of control, one that turns early, and a loading alone, of which there is no map.
-/// Rounded tops, with and without an edge, touched and not; and curves of every kind of a design.
+/// A cycle in both loading modes, one with an early unloading point, and a loading only, which has no map.
+/// Rounded tops, with and without an edge, in contact and not; and every kind of curve of a design.
 #[test]
 fn rounded_tops() {
     let field = |rim: Option<f64>| {
@@ -665,7 +665,7 @@ fn rounded_tops() {
         };
         let points = (1..8).map(|k| DesignedValues {
             load: f64::from(k) * size(load),
-            wanted: f64::from(k) * size(value),
+            required: f64::from(k) * size(value),
             designed: f64::from(k) * size(value) * (1.0 + 1e-8),
             scatter: scatter.map(|part| part * f64::from(k) * size(value)),
             ignored: f64::from(k) * size(value) * (1.0 - 0.01 * f64::from(k)),
@@ -687,7 +687,7 @@ fn rounded_tops() {
 
 #[test]
 fn cycles() {
-    let sticky = system(2e6, 0.01, 0.0)
+    let adhesive = system(2e6, 0.01, 0.0)
         .with_adhesion(Adhesion::new(50e-3))
         .unwrap();
     let dense = system(2e6, 0.03, 0.3)
@@ -706,10 +706,10 @@ fn cycles() {
         ..plan
     };
     for (system, plan) in [
-        (&sticky, plan),
+        (&adhesive, plan),
         (&dense, plan),
-        (&sticky, by_force),
-        (&sticky, early),
+        (&adhesive, by_force),
+        (&adhesive, early),
     ] {
         let cycle = cycle(system, plan);
         check(&[cycle_curve(&cycle).unwrap(), release_map(&cycle).unwrap()]);
@@ -718,7 +718,7 @@ fn cycles() {
         retract: false,
         ..plan
     };
-    let loading = cycle(&sticky, loading);
+    let loading = cycle(&adhesive, loading);
     check(&[cycle_curve(&loading).unwrap()]);
     let none = release_map(&loading).unwrap_err();
     assert!(matches!(none, FigureError::NoPillars { .. }));

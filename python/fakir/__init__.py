@@ -38,7 +38,7 @@ from ._bodies import (
     Substrate,
 )
 from ._comparison import Comparison
-from ._cycle import Adhesion, Cycle, PullOff, StuckFloor
+from ._cycle import Adhesion, AdhesiveFloor, Cycle, PullOff
 from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, design, spread
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
@@ -70,6 +70,7 @@ from .errors import (
 
 __all__ = [
     "Adhesion",
+    "AdhesiveFloor",
     "Answer",
     "Approach",
     "AsperityArray",
@@ -126,7 +127,6 @@ __all__ = [
     "RectangularPattern",
     "SolveError",
     "Spread",
-    "StuckFloor",
     "SquarePattern",
     "StudyError",
     "Substrate",
@@ -157,6 +157,7 @@ _FORMER_NAMES = {
     "RectangularTexture": "RectangularPattern",  # former name
     "SquareTexture": "SquarePattern",  # former name
     "RoundedContact": "AsperityContact",  # former name
+    "StuckFloor": "AdhesiveFloor",  # former name
     "RoundedTops": "AsperityArray",  # former name
 }
 

@@ -354,7 +354,7 @@ def design_heights(
     given = {"force": force, "indentation": indentation, "area": area}
     names = [name for name, values in given.items() if values is not None]
     if len(names) != 2:
-        raise TypeError("give two of force, indentation and area: the curve that is wanted")
+        raise TypeError("give two of force, indentation and area, which define the target curve")
     value = "area" if area is not None else "force"
     over = next(name for name in names if name != value)
     load_values = _curve(given[over], over)

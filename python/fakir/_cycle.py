@@ -55,7 +55,7 @@ class Adhesion:
 
 
 @dataclass(frozen=True)
-class StuckFloor:
+class AdhesiveFloor:
     """An adhesive floor in a cycle. Numbers are in SI units."""
 
     force_before_jump: float
@@ -155,13 +155,13 @@ class Cycle(CycleNumbers):
         return copy.deepcopy(self._summary["events"])
 
     @property
-    def floor(self) -> StuckFloor | None:
+    def floor(self) -> AdhesiveFloor | None:
         """Results of an adhesive floor; None if the floor is not adhesive, or was not touched."""
         found = self._summary.get("floor")
         if found is None or found["jump"] is None:
             return None
         found = copy.deepcopy(found)
-        return StuckFloor(
+        return AdhesiveFloor(
             found["force_before_jump_N"],
             found["jump"],
             found["last"],

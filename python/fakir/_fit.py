@@ -293,7 +293,7 @@ class Fit(Result):
         rows.append(("residuals", f"{self.degrees_of_freedom} degrees of freedom, {scatter}"))
         if not self.describes_data:
             wanted = [left.name for left in self.left_out if left.wanted]
-            text = f"it would take {wanted[0]}" if wanted else "the residuals are not random"
+            text = f"most likely wrong: {wanted[0]}" if wanted else "the residuals are not random"
             rows.append(("does not describe the data", text))
         return rows
 
@@ -587,7 +587,7 @@ def _error(given: Quantity | None, dimension: Any, name: str) -> float | None:
 
 
 def _of_unit(given: Quantity | None, unit: str, name: str) -> float | None:
-    """A number in a unit of its own, or a quantity of pint."""
+    """A number in its unit, or a quantity of pint."""
     if given is None:
         return None
     if isinstance(given, WithUnit):

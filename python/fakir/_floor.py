@@ -37,7 +37,7 @@ class FloorContact(FloorNumbers):
         digits = known_digits(error)
         return [
             ("force on the floor", engineering(self.force, "N", digits) + remark(error)),
-            ("share of the floor", f"{self.share:.{digits}g}"),
+            ("fraction on the floor", f"{self.share:.{digits}g}"),
         ]
 
     def _rows(self) -> list[Row]:

@@ -136,4 +136,4 @@ def approach(system: System, path: Path, options: _fakir.Options) -> Approach:
 def _state(state: _fakir.State, system: System) -> ContactState:
     """The contact state, without a warning that floor contact is ignored, which was requested."""
     contact = ContactState(state, system)
-    return contact if contact._goes_through_floor else contact_state(state, system)
+    return contact if contact._ignores_floor else contact_state(state, system)

@@ -6,7 +6,7 @@ from ._result import Answer, Number, Numbered
 
 class FloorErrors(NamedTuple):
     share: float
-    'Estimated relative error of the share.'
+    'Estimated relative error of the fraction carried by the floor.'
     contact_area: float
     'Estimated relative error of the area.'
 
@@ -58,7 +58,7 @@ class Certificate(NamedTuple):
     interpenetration: float
     'Deepest interpenetration anywhere (m).'
     gap_under_pressure: float
-    'Largest gap of a cell that bears pressure (m).'
+    'Largest gap of a cell that carries pressure (m).'
 
 class AsperityErrors(NamedTuple):
     force: float

@@ -188,7 +188,7 @@ def _attribute(kind: str, path: str, unit: str = "") -> str:
 
 
 def _union(found: list[Fields]) -> Fields:
-    """The fields of a named tuple of several kinds: fields that one of them may lack come last, and can be None."""
+    """The fields of a named tuple of several kinds: fields that are missing in one of them come last, and can be None."""
     fields = {}
     for name in dict.fromkeys(name for one in found for name in one):
         known = [one[name] for one in found if name in one]

@@ -79,7 +79,7 @@ class ContactState(PressNumbers):
         return self._floor
 
     @property
-    def _goes_through_floor(self) -> bool:
+    def _ignores_floor(self) -> bool:
         """Whether the lens penetrates the floor, because floor contact is ignored."""
         return self.beyond_transition and self.floor is None
 
@@ -175,7 +175,7 @@ class ContactState(PressNumbers):
     def _samples(
         self, x: FloatArray, y: FloatArray, threads: int, memory_limit: int | None
     ) -> list[FloatArray]:
-        # Arrays that were broadcast have no memory of their own yet.
+        # Arrays that were broadcast have no separate memory yet.
         _fakir.check_points(x.size, memory_limit)
         flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
         found = self._state.sample(*flat, options(threads, memory_limit=memory_limit))
@@ -235,11 +235,11 @@ class ContactState(PressNumbers):
             ("pillars in contact", f"{self.pillars_in_contact}, {partial} of them partially"),
             ("smallest floor gap", engineering(self.smallest_floor_gap, "m", 4)),
         ]
-        if self._goes_through_floor:
+        if self._ignores_floor:
             rows.append(("", "past the transition: computed as if the floor were not there"))
         elif self.floor is not None:
             share = f"{self.floor.share:.{known_digits(self.floor.error.share)}g}"
-            rows.append(("share of the floor", share + remark(self.floor.error.share)))
+            rows.append(("fraction on the floor", share + remark(self.floor.error.share)))
         rows.append(("solution", f"{self.method}, {self.termination}"))
         return rows
 
@@ -293,9 +293,9 @@ def contact_state(state: _fakir.State, system: System) -> ContactState:
     """The state with its warnings; raises an error if it is not a solution."""
     contact = ContactState(state, system)
     warn(contact.warnings)
-    if contact._goes_through_floor:
+    if contact._ignores_floor:
         method = contact.method
-        advice = "" if method == "spectral" else f"; the method {method} does not know what the floor bears"
+        advice = "" if method == "spectral" else f"; the method {method} does not compute the load of the floor"
         warn(
             [
                 "past the transition: this contact is computed as if the floor were not there "

@@ -248,7 +248,7 @@ class _Shipping:
         self.seconds_per_case: float | None = None
         self.largest = 0
         self.breaks = 0
-        self.told = 0.0
+        self.reported = 0.0
 
     def run(self) -> None:
         """Sends everything, and waits for the results."""
@@ -257,8 +257,8 @@ class _Shipping:
                 self.ship()
                 done, _ = wait(self.pending, timeout=0.1, return_when=FIRST_COMPLETED)
                 self.collect(done)
-                self.tell()
-            self.tell(last=True)
+                self.report()
+            self.report(last=True)
         finally:
             for future in self.pending:
                 future.cancel()
@@ -281,17 +281,17 @@ class _Shipping:
 
     def next_batch(self) -> _Batch:
         """The next cases that together take about `BATCH_SECONDS`."""
-        wanted = 1
+        required = 1
         if self.seconds_per_case is not None:
             left = sum(len(group) for group in self.waiting)
-            wanted = min(
+            required = min(
                 math.ceil(BATCH_SECONDS / max(self.seconds_per_case, 1e-6)),
                 GROWTH * self.largest,
                 # The last batches should end at about the same time.
                 math.ceil(left / (2 * self.workers)),
             )
         groups = [self.waiting.popleft()]
-        while self.waiting and sum(len(group) for group in groups) < wanted:
+        while self.waiting and sum(len(group) for group in groups) < required:
             groups.append(self.waiting.popleft())
         return _Batch(groups)
 
@@ -379,11 +379,11 @@ class _Shipping:
             "would have been kept"
         )
 
-    def tell(self, last: bool = False) -> None:
+    def report(self, last: bool = False) -> None:
         """Reports the progress, at most 20 times a second."""
         now = time.monotonic()
-        if self.progress is not None and (last or now - self.told > 0.05):
-            self.told = now
+        if self.progress is not None and (last or now - self.reported > 0.05):
+            self.reported = now
             ledger = self.ledger
             self.progress(ledger.done, ledger.found, ledger.failed, self.cases)
 

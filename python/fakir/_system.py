@@ -79,8 +79,8 @@ class System(Shown):
 
     With adhesion, `cycle` computes loading and unloading:
 
-    >>> sticky = sparse.replace({"adhesion.work": "50 mJ/m2"})
-    >>> round(1e6 * sticky.cycle().pull_off.force)
+    >>> adhesive = sparse.replace({"adhesion.work": "50 mJ/m2"})
+    >>> round(1e6 * adhesive.cycle().pull_off.force)
     -57
     """
 
@@ -132,9 +132,9 @@ class System(Shown):
             *of_layers[1][0],
         ]
         if adhesion is not None:
-            sticks = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
-            numbers.append(("adhesion.work", sticks.work))
-            numbers.append(("adhesion.work_receding", sticks.work_receding))
+            adhesive = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+            numbers.append(("adhesion.work", adhesive.work))
+            numbers.append(("adhesion.work_receding", adhesive.work_receding))
         words = [
             *words_of_shape,
             *of_layers[0][1],
@@ -573,7 +573,7 @@ class System(Shown):
             ),
         ]
         if not self.floor_contact:
-            rows.append(("floor", "ignored: past the transition the lens goes through it"))
+            rows.append(("floor", "contact ignored, also past the transition"))
         if self.adhesion is not None:
             work = f"work {1e3 * self.adhesion.work:g} mJ/m2"
             receding = self.adhesion.work_receding

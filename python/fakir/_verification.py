@@ -56,7 +56,7 @@ class Opinion(Result):
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _told(self, answers: Sequence[tuple[str, Contact]]) -> list[Row]:
+    def _rows_of(self, answers: Sequence[tuple[str, Contact]]) -> list[Row]:
         rows = [
             (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
             for name, s in answers
@@ -66,7 +66,7 @@ class Opinion(Result):
         verdicts = {
             "agree": "the answers agree",
             "disagree": "THE ANSWERS DISAGREE",
-            "cannot tell": f"it cannot be told: {self.doubt}",
+            "cannot tell": f"inconclusive: {self.doubt}",
         }
         return [*rows, ("", verdicts[self.verdict])]
 
@@ -88,7 +88,7 @@ class Verification(Opinion):
 
     def _rows(self) -> list[Row]:
         coarse, fine = self.elements
-        return self._told(
+        return self._rows_of(
             [("spectral", self.spectral), ("elements, coarse", coarse), ("elements", fine)]
         )
 

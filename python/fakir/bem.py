@@ -351,7 +351,7 @@ class SurfaceContact(SurfacePressNumbers):
         }
         attributes = {
             "source": f"fakir {_fakir.__version__}",
-            "method": "Love elements",
+            "method": "boundary elements",
             "force_N": self.force,
             "indentation_m": self.indentation,
         }
@@ -372,7 +372,7 @@ class SurfaceContact(SurfacePressNumbers):
                 rows.append((f"  on the {name}", f"{force} on {area:.5g} µm²"))
         if error is not None:
             rows.append(("estimated error", f"{max(error.force, error.indentation):.0e}"))
-        return [*rows, ("solution", f"Love elements, {self.termination}")]
+        return [*rows, ("solution", f"boundary elements, {self.termination}")]
 
 
 class SurfaceTransition(SurfaceTransitionNumbers):
@@ -435,7 +435,7 @@ class SurfaceVerification(Opinion):
         self.elements = coarse, fine
 
     def _rows(self) -> list[Row]:
-        return self._told([("coarse", self.elements[0]), ("fine", self.elements[1])])
+        return self._rows_of([("coarse", self.elements[0]), ("fine", self.elements[1])])
 
 
 def _checked(contact: SurfaceContact) -> SurfaceContact:

@@ -256,9 +256,9 @@ def cycle(result: Cycle, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
         # A symmetric range of forces, and the corresponding range of the curve.
         size = -MICRO * result.pull_off.force
         near = MICRO * result.indentation[MICRO * result.force <= size]
-        room = 0.05 * (near.max() - near.min())
+        margin = 0.05 * (near.max() - near.min())
         axes[1].set_ylim(-1.15 * size, 1.15 * size)
-        axes[1].set_xlim(near.min() - room, near.max() + room)
+        axes[1].set_xlim(near.min() - margin, near.max() + margin)
         axes[1].axhline(0.0, color="0.6", lw=0.6, zorder=0)
     for axis in axes[:2]:
         axis.set_ylabel("force $F$ (µN)")
@@ -793,7 +793,7 @@ def _axes(
 
         figure = plt.figure(figsize=size, layout="constrained")
         ax = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
-    wanted = rows * columns
-    if len(ax) != wanted:
-        raise ValueError(f"{len(ax)} axes were given: this figure has {wanted}")
+    required = rows * columns
+    if len(ax) != required:
+        raise ValueError(f"{len(ax)} axes were given: this figure has {required}")
     return ax

@@ -9,6 +9,7 @@ an adhesive floor in `free_annulus`, `annulus_radius`, `largest_tension`, `colla
 from __future__ import annotations
 
 import json
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from ._system import System
 
 __all__ = [
     "AdhesionTheory",
+    "AdhesiveSphere",
     "AnnulusCoefficients",
     "CollapseThreshold",
     "CollapsedCycle",
@@ -31,7 +33,6 @@ __all__ = [
     "LatticeSums",
     "Phase",
     "PullOffEstimate",
-    "StickySphere",
     "TransitionEstimate",
     "adhesion",
     "annulus_coefficients",
@@ -62,6 +63,14 @@ __all__ = [
     "transition_force",
     "transition_from_exact_sums",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Looks up a class by its deprecated name."""
+    if name != "StickySphere":  # former name
+        raise AttributeError(f"module 'fakir.theory' has no attribute {name!r}")
+    warnings.warn("fakir.theory.StickySphere is now called fakir.theory.AdhesiveSphere", FutureWarning, stacklevel=2)
+    return AdhesiveSphere
 
 
 class TransitionEstimate(NamedTuple):
@@ -132,7 +141,7 @@ class AdhesionTheory(NamedTuple):
     kendall_strain: float
     """Stress on a flat pillar at pull-off divided by the modulus of the substrate; doubtful above 0.3."""
     tabor_number: float | None
-    """Tabor number of a pillar top, if the range of the attraction is given: the short-range assumption holds above 5."""
+    """Tabor number of a pillar top, if the range of the attraction is given: the short-range assumption is valid above 5."""
 
 
 class AnnulusCoefficients(NamedTuple):
@@ -217,7 +226,7 @@ class CollapsedCycle(NamedTuple):
     """First indentation of the unloading at which the floor no longer adheres, m; None if it still does."""
 
 
-class StickySphere(NamedTuple):
+class AdhesiveSphere(NamedTuple):
     """A circular contact of an adhesive sphere."""
 
     radius: float
@@ -284,7 +293,7 @@ def adhesion(system: System, attraction_range: Quantity | None = None) -> Adhesi
     """
     found = json.loads(_fakir.adhesion(system._case, _range(attraction_range)))
     if found is None:
-        raise ValueError('nothing sticks: give the system adhesion, as in adhesion="50 mJ/m2"')
+        raise ValueError('no adhesion: give the system adhesion, as in adhesion="50 mJ/m2"')
     names = ("force_N", "normalized_force", "indentation_m", "contact_radius_m", "tilt_rad")
     forms = {
         row["formula"]: PullOffEstimate(*(row[name] for name in names)) for row in found["pull_off"]
@@ -455,7 +464,7 @@ def patch(
     radius: Quantity,
     indentation: Quantity = 0.0,
     work: Quantity | None = None,
-) -> StickySphere | None:
+) -> AdhesiveSphere | None:
     """The adhering patch of the floor after jump-in, small compared to the hole.
 
     Parameters
@@ -468,8 +477,8 @@ def patch(
         Work of adhesion, by default that of the system on detachment.
     """
     lengths = si(radius, "length", "radius"), si(indentation, "length", "indentation")
-    found = _fakir.sticky_sphere(system._case, _work(system, work), *lengths)
-    return None if found is None else StickySphere(*found)
+    found = _fakir.adhesive_sphere(system._case, _work(system, work), *lengths)
+    return None if found is None else AdhesiveSphere(*found)
 
 
 def collapsed_cycle(system: System, loading: object, unloading: object = ()) -> CollapsedCycle:
@@ -539,7 +548,7 @@ def _work(system: System, work: Quantity | None) -> float:
         return si(work, "energy per area", "work")
     adhesion = system.adhesion
     if adhesion is None:
-        raise ValueError('nothing sticks: give work, as in work="50 mJ/m2", or the system adhesion')
+        raise ValueError('no adhesion: give work, as in work="50 mJ/m2", or the system adhesion')
     receding = adhesion.work_receding
     return adhesion.work if receding is None else receding
 

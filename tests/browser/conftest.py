@@ -26,7 +26,7 @@ NAMES = ["chromium", "chromium-browser", "google-chrome"]
 
 @contextmanager
 def exploring(*arguments):
-    """Runs `fakir explore` and gives the address of its page."""
+    """Runs `fakir explore` and returns the address of its page."""
     command = [os.environ["FAKIR"], "explore", "--no-browser", *arguments]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
@@ -57,26 +57,26 @@ def browser():
 
 
 class Explorer:
-    """The page as its user knows it."""
+    """The page, with the actions of a user."""
 
     def __init__(self, page, requests):
         self.page = page
         self.requests = requests
 
     def until(self, condition, seconds=30):
-        """Waits until a condition in JavaScript holds; the page itself allows no such texts."""
+        """Waits until a condition in JavaScript is true; the page itself does not allow evaluated scripts."""
         end = time.monotonic() + seconds
         while not self.page.evaluate(f"() => {condition}"):
             assert time.monotonic() < end, f"not within {seconds} s: {condition}; {self.account()}"
             time.sleep(0.02)
 
     def account(self):
-        """What the page is at, for whoever has to find out why it is not where it should be."""
+        """The state of the page, for the message of a failure."""
         stage = self.page.evaluate("() => document.getElementById('cycle-stage')?.textContent")
         return f"the page is at {self.page.url}, busy: {self.page.evaluate('() => document.body.dataset.busy')}, stage: {stage!r}"
 
     def press(self, key):
-        """Presses a key. What changes within one frame is drawn together, at its end: the next reading is of that."""
+        """Presses a key, and waits for the end of the frame, in which all changes are drawn together."""
         self.page.keyboard.press(key)
         self.page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => drawn()))")
 
@@ -84,7 +84,7 @@ class Explorer:
         return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
 
     def overlap(self, selector):
-        """Whether any two of these elements cover each other."""
+        """Whether any two of these elements overlap."""
         return self.page.evaluate(
             """(selector) => {
                 const boxes = [...document.querySelectorAll(selector)].map((x) => x.getBoundingClientRect());
@@ -103,7 +103,7 @@ class Explorer:
             self.page.screenshot(path=f"{folder}/{name}.png", full_page=True)
 
     def rest(self):
-        """Waits until the page has the answer to all that was asked."""
+        """Waits until the page has the answers to all its requests."""
         self.until("document.body.dataset.busy === 'no'")
 
     def change(self, key, value):
@@ -137,7 +137,7 @@ class Explorer:
 def explore(browser, address):
     """Opens the page and waits for its answer if it `rests`; `before` is called with the empty page.
 
-    Whatever would leave this machine is held back, and fails the test.
+    Requests to other machines are blocked, and fail the test.
     """
     contexts = []
 

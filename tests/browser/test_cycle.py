@@ -1,4 +1,4 @@
-"""Adhesion: the load goes down and up again along one computed path, on the map, in the section, in the chart and in numbers."""
+"""Adhesion: the load moves back and forth along one computed path, on the map, in the section, in the chart and in numbers."""
 
 import json
 import os
@@ -10,7 +10,7 @@ import pytest
 from conftest import exploring
 from test_explorer import paper
 
-# Parts of the map that are nearly of the colour of pulls: red by far, neither orange nor grey.
+# Number of pixels of the map with about the colour of tension: much more red, neither orange nor grey.
 RED = """() => {
     const map = document.getElementById("map");
     const { data } = map.getContext("2d").getImageData(0, 0, map.width, map.height);
@@ -22,16 +22,16 @@ RED = """() => {
     return found;
 }"""
 
-# What is drawn on the map, in one text.
+# Content of the map, as one text.
 PICTURE = "() => document.getElementById('map').toDataURL()"
 
 
-def sticky(surface_fraction, work, *more):
+def adhesive(surface_fraction, work, *more):
     return "#" + "&".join([*paper(surface_fraction), f"adhesion.work={work}", *more])
 
 
 def command_line(*arguments):
-    """What the command line says of the paper's case with adhesion."""
+    """Output of the command line for the paper's case with adhesion."""
     command = [os.environ["FAKIR"], "cycle", "-", "--json", "--quiet", *arguments]
     text = subprocess.run(
         [os.environ["FAKIR"], "init", "-"], check=True, capture_output=True, text=True
@@ -60,14 +60,14 @@ def expected(tmp_path):
     return command_line("--set", "pattern.surface_fraction=0.03", "--set", "adhesion.work=10mJ/m2")
 
 
-def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+def test_the_slider_moves_back_and_forth_along_the_computed_path(explore, expected):
+    page = explore(adhesive(0.03, 0.01))
     assert page.text("load-words") == "critical state"
     assert asked(page, "/api/cycle") == 1
     assert asked(page, "/api/contact") == 0
     states = int(page.page.get_attribute("#load", "max")) + 1
     assert states > 80
-    # The keyboard goes from one state to the next, without any other question.
+    # The keyboard moves from one state to the next, without any other request.
     page.page.focus("#load")
     page.press("Home")
     assert page.text("load-words") == "first contact"
@@ -94,7 +94,7 @@ def test_the_slider_goes_down_and_up_the_computed_path(explore, expected):
 
 
 def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
-    page = explore(sticky(0.05, 0.05))
+    page = explore(adhesive(0.05, 0.05))
     late = page.page.evaluate(
         """async () => {
             const slider = document.getElementById("load");
@@ -106,10 +106,10 @@ def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
                 const busy = document.body.dataset.busy;
                 await new Promise(requestAnimationFrame);
                 await new Promise(requestAnimationFrame);
-                const told = words("load-numbers").textContent.match(/(\\d+|nothing) in contact/)[1];
+                const shown = words("load-numbers").textContent.match(/(\\d+|nothing) in contact/)[1];
                 const label = words("map").getAttribute("aria-label");
                 const drawn = label.match(/: (\\d+) pillars in contact/)[1];
-                if (busy !== "no" || Number(slider.value) !== k || drawn !== told.replace("nothing", "0")) {
+                if (busy !== "no" || Number(slider.value) !== k || drawn !== shown.replace("nothing", "0")) {
                     late.push(k);
                 }
             }
@@ -121,7 +121,7 @@ def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
 
 
 def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+    page = explore(adhesive(0.03, 0.01))
     locate = page.page.locator
     assert locate("#loading path.path").count() == 2
     assert locate("#loading path.unloading").count() == 1
@@ -132,7 +132,7 @@ def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected)
         ticks = locate(f"#loading path.{style}").get_attribute("d").count("M")
         of_kind = {e["indentation_m"] for e in expected["events"] if e["event"] == event}
         assert 3 < ticks <= len(of_kind)
-    # The pull is small against the load: it has a chart of its own.
+    # The tension is small compared with the load: it has a separate chart.
     assert page.page.is_visible("#pull")
     assert locate("#pull circle.pull-off").count() == 1
     assert "pull-off" in locate("#pull .pull-name").text_content()
@@ -145,29 +145,29 @@ def test_the_chart_has_both_branches_and_what_happens_on_them(explore, expected)
 
 @pytest.mark.smoke
 def test_the_numbers_are_those_of_the_command_line(explore, expected):
-    page = explore(sticky(0.03, 0.01))
+    page = explore(adhesive(0.03, 0.01))
     numbers = {
         "pull-off-force": expected["pull_off_force_N"],
-        "sticky-critical": expected["critical_force_N"],
+        "adhesive-critical": expected["critical_force_N"],
         "last-release": expected["last_release_indentation_m"],
         "separation-work": expected["work_of_separation_J"],
         "loop-area": expected["hysteresis_J"],
     }
     for name, value in numbers.items():
-        # In the digits that errors leave: two of the pull-off.
+        # Rounded to the estimated errors: two digits for the pull-off.
         assert quantity(page.text(name)) == pytest.approx(value, rel=0.05), name
     error = expected["relative_error_estimate"]["pull_off_force"]
     assert error["model_fronts"] == 0.05
     model = error["model_fronts"] + error["model_columns"]
     assert page.text("pull-off-error") == f"error 0.03, model error {model:.1g}"
-    assert page.text("pull-off-held").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
+    assert page.text("pull-off-pillars").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
     assert page.text("plain-critical").endswith("without adhesion")
     assert quantity(page.text("plain-critical")) > expected["critical_force_N"]
     note = page.page.locator("#cycle-numbers > .remark").text_content()
     assert "model error, about 5 %" in note and "is not adhesive" in re.sub(r"\s+", " ", note)
     assert page.page.locator("#cycle-numbers .strained").count() == 0
     assert page.text("limit-kendall_strain").endswith("< 0.3")
-    # On a soft substrate pillars are stretched beyond what the model knows.
+    # On a soft substrate the strain of pillars exceeds the range of the model.
     page.page.click("[data-preset=soft]")
     page.rest()
     assert page.page.input_value("#adhesion-work") == "10 mJ/m²"
@@ -176,7 +176,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
 
 
 def test_pulled_and_partial_pillars_are_on_the_map(explore):
-    page = explore(sticky(0.03, 0.003, "pattern.offset=0.3"))
+    page = explore(adhesive(0.03, 0.003, "pattern.offset=0.3"))
     assert page.page.is_visible("#pull-key")
     assert page.text("pull-most").startswith("−")
     page.page.focus("#load")
@@ -190,7 +190,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
     assert 0 < pulled <= in_contact and 0 < in_part
     label = page.page.get_attribute("#map", "aria-label")
     assert f"{in_part} of them partially, {pulled} in tension" in label
-    # The note under the pointer says how much of a top is bonded.
+    # The note under the pointer shows the bonded fraction of a top.
     notes = page.page.evaluate(
         """() => {
             const map = document.getElementById("map");
@@ -210,7 +210,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
 
 
 def test_the_section_follows(explore):
-    page = explore(sticky(0.03, 0.05))
+    page = explore(adhesive(0.03, 0.05))
     outlines = []
     for load in ("#to-critical", "#to-pull-off"):
         page.page.click(load)
@@ -230,7 +230,7 @@ def test_a_case_file_with_adhesion_is_where_the_page_begins(explore, tmp_path):
 
 
 def test_links_files_and_the_command_carry_adhesion(explore, tmp_path):
-    page = explore(sticky(0.02, 0.05, "adhesion.work_receding=0.08", "load=1.5"))
+    page = explore(adhesive(0.02, 0.05, "adhesion.work_receding=0.08", "load=1.5"))
     assert page.text("load-words").startswith("unloading, ")
     assert page.page.input_value("#adhesion-work_receding") == "80 mJ/m²"
     page.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
@@ -252,12 +252,12 @@ def test_links_files_and_the_command_carry_adhesion(explore, tmp_path):
     done = subprocess.run(
         command + " --json", shell=True, cwd=tmp_path, check=True, capture_output=True, text=True
     )
-    told = json.loads("{" + done.stdout.split("{", 1)[1])
-    assert quantity(page.text("pull-off-force")) == pytest.approx(told["pull_off_force_N"], rel=0.05)
+    printed = json.loads("{" + done.stdout.split("{", 1)[1])
+    assert quantity(page.text("pull-off-force")) == pytest.approx(printed["pull_off_force_N"], rel=0.05)
 
 
 def test_works_that_cannot_be_are_refused_at_their_field(explore):
-    page = explore(sticky(0.01, 0.05))
+    page = explore(adhesive(0.01, 0.05))
     shown = page.text("pull-off-force")
     page.enter("adhesion.work", "-20 mJ/m2")
     assert page.text("adhesion-work-note").startswith("cannot be -20 mJ/m2: it must be 0, or")
@@ -266,7 +266,7 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
     assert not page.page.is_visible("#problem")
     page.enter("adhesion.work_receding", "10 mJ/m2")
     assert "at least" in page.text("adhesion-work_receding-note")
-    # Empty, it is as the work of adhesion.
+    # An empty value is equal to the work of adhesion.
     page.enter("adhesion.work_receding", "")
     assert page.page.input_value("#adhesion-work_receding") == "50 mJ/m²"
     assert page.page.locator(".field.derived #adhesion-work_receding").count() == 1
@@ -279,11 +279,11 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
 def test_without_adhesion_the_page_is_as_before(explore):
     """At a work of zero, from the start or on the way back from another one."""
     plain = explore("#" + "&".join(paper(0.02)))
-    back = explore(sticky(0.02, 0.05, "load=1.7"))
+    back = explore(adhesive(0.02, 0.05, "load=1.7"))
     back.page.focus("#adhesion-work-slider")
     back.page.keyboard.press("Home")
     back.rest()
-    zero = explore(sticky(0.02, 0))
+    zero = explore(adhesive(0.02, 0))
     for page in (back, zero):
         assert page.page.input_value("#adhesion-work") == "0 mJ/m²"
         assert page.results() == plain.results()
@@ -300,8 +300,8 @@ def test_without_adhesion_the_page_is_as_before(explore):
 
 
 def test_a_newer_work_is_answered_at_once(explore):
-    # Hundreds of pillars that stick weakly take seconds.
-    page = explore(sticky(0.01, 0.05))
+    # Hundreds of pillars with weak adhesion take seconds.
+    page = explore(adhesive(0.01, 0.05))
     page.page.evaluate(
         """() => {
             const field = document.getElementById("pattern-surface_fraction");
@@ -311,7 +311,7 @@ def test_a_newer_work_is_answered_at_once(explore):
     )
     page.until("/loading and unloading, step \\d+/.test(document.getElementById('status').textContent)")
     assert page.page.is_disabled("#load")
-    # The curve grows meanwhile.
+    # The curve is extended meanwhile.
     page.until("document.querySelector('#loading path.path') !== null")
     page.enter("pattern.surface_fraction", "0.01")
     assert page.text("pillars").startswith("13 pillars")
@@ -319,7 +319,7 @@ def test_a_newer_work_is_answered_at_once(explore):
 
 
 def test_what_is_of_a_cycle_before_is_grey(explore):
-    page = explore(sticky(0.02, 0.05, "load=1.5"))
+    page = explore(adhesive(0.02, 0.05, "load=1.5"))
     held = []
     page.page.route("**/api/cycle", lambda route: held.append(route))
     page.page.fill("#adhesion-work", "20 mJ/m2")
@@ -339,7 +339,7 @@ def test_what_is_of_a_cycle_before_is_grey(explore):
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_cycle_fits_every_screen(explore, width, height, scheme):
-    page = explore(sticky(0.03, 0.01), width, height, color_scheme=scheme)
+    page = explore(adhesive(0.03, 0.01), width, height, color_scheme=scheme)
     page.page.click("#to-pull-off")
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
     cut = page.page.evaluate(

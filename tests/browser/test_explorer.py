@@ -1,4 +1,4 @@
-"""What a user does with the page, in a real browser."""
+"""Actions of a user on the page, in a real browser."""
 
 import json
 import os
@@ -12,7 +12,7 @@ from conftest import exploring
 
 @pytest.mark.smoke
 def test_starts_with_the_case_of_fakir_init(explore):
-    # The numbers are those of the README: spectral method, checked against Love elements.
+    # The numbers are those of the README: spectral method, checked against boundary elements.
     page = explore()
     assert page.results() == ["4.44813", "199", "15.1643"]
     assert page.text("force-unit") == "mN"
@@ -50,7 +50,7 @@ def test_presets_are_the_substrates_of_the_paper(explore):
 
 
 def test_a_square_lattice_with_scatter(explore, tmp_path):
-    """Another lattice keeps what it has in common; missing pillars and heights come from the seed, as in the program."""
+    """Another lattice keeps the common parameters; vacancies and heights are drawn from the seed, as in the program."""
     page = explore("#" + "&".join(paper(0.02)))
     hexagonal = page.results()
     page.page.select_option("#pattern-lattice", "square")
@@ -79,7 +79,7 @@ def test_a_square_lattice_with_scatter(explore, tmp_path):
 
 
 def test_rectangular_and_oblique_lattices(explore, tmp_path):
-    """A lattice with two pitches begins as that of one which it was; the numbers are those of the program."""
+    """A lattice with two pitches starts from the parameters of the previous lattice; the numbers are those of the program."""
     page = explore("#" + "&".join(paper(0.02)))
     hexagonal = page.results()
     page.page.select_option("#pattern-lattice", "oblique")
@@ -106,7 +106,7 @@ def test_rectangular_and_oblique_lattices(explore, tmp_path):
     scale = {"mN": 1e3, "µN": 1e6}[page.text("force-unit")]
     assert float(found[0]) == pytest.approx(scale * force, rel=1e-3)
     assert "fakir.RectangularPattern(" in page.text("python")
-    # What is wrong is said where it is, in the words of the program.
+    # An error is shown at its key, with the message of the program.
     page.enter("pattern.pitch_y", "1 um")
     assert "at least the pillar diameter" in page.text("pattern-pitch_y-note")
     page.page.select_option("#pattern-lattice", "square")
@@ -124,7 +124,7 @@ def test_sliders_change_the_result(explore):
     assert page.page.input_value("#pattern-pillar-height") != "2.2 µm"
     page.enter("pattern.pillar.height", "2200 nm")
     assert page.results() == before
-    # A pitch takes the place of the surface fraction.
+    # A pitch replaces the surface fraction.
     page.enter("pattern.pitch", "40.4 um")
     assert 'pitch = "40.4 um"' in page.text("case-file")
     assert "surface_fraction" not in page.text("case-file").split("[pattern]")[1].split("#")[0]
@@ -146,24 +146,24 @@ def test_a_substrate_becomes_a_film_and_again_infinite(explore):
     assert "thickness" not in page.text("case-file")
 
 
-def test_strained_limits_of_a_film_are_marked(explore):
+def test_exceeded_limits_of_a_film_are_marked(explore):
     film = ["substrate.thickness=4e-5"]
     page = explore("#" + "&".join([*paper(0.03), *film]))
     page.rest()
-    assert page.text("limits").startswith("model strained: indentation over the smallest thickness")
+    assert page.text("limits").startswith("limit exceeded: indentation over the smallest thickness")
     assert "strained" in page.page.locator("#limits").get_attribute("class")
 
 
 @pytest.mark.smoke
 def test_the_controls_are_those_of_the_key_table(explore):
-    """Labels, symbols, help, units, ranges and words are those that the program says."""
+    """Labels, symbols, help, units, ranges and words are those of the program."""
     page = explore("#" + "&".join(paper(0.01)))
     start = page.page.evaluate("async () => (await fetch('start.json')).json()")
     units = ["length", "pressure", "energy per area", "angle", "number", "fraction"]
     for key in start["keys"]:
         name = key["key"].replace(".", "-")
         control = page.page.locator(f"#{name}")
-        # Where there is only one word there is nothing to choose.
+        # A key with only one word has no selection.
         assert control.count() == (len(key["words"]) != 1), name
         if control.count() == 0:
             continue
@@ -181,7 +181,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
             assert control.locator("option").all_text_contents() == key["words"]
             continue
         assert key["dimension"] in units
-        # Only those of the method and lattice that are chosen are shown; where nothing sticks nothing recedes.
+        # Only keys of the selected method and lattice are shown; the receding work only with adhesion.
         recedes = key["key"] == "adhesion.work_receding"
         condition = key["goes_with"]
         belongs = condition is None or start["case"][condition["key"]] in condition["words"]
@@ -192,7 +192,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
         usual = next(key["usual"] for key in start["keys"] if key["key"] == "lens.radius")
         value = float(number) * {"m": 1, "mm": 1e-3, "µm": 1e-6}[unit]
         assert abs(value / usual[end] - 1) < 1e-9
-    # A single pillar, which elements solve at once.
+    # A single pillar, which boundary elements solve quickly.
     page = explore("#" + "&".join(paper(0.001)))
     page.page.select_option("#method-name", "love")
     page.rest()
@@ -202,7 +202,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
 
 
 @pytest.mark.smoke
-def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
+def test_the_load_ranges_from_first_touch_past_the_critical_state(explore):
     page = explore("#" + "&".join(paper(0.03)))
     critical = page.results()
     forces = []
@@ -212,7 +212,7 @@ def test_the_load_goes_from_first_touch_past_the_critical_state(explore):
         number, unit = re.search(r"F = ([\d.]+) (\w+)", numbers).groups()
         forces.append(float(number) * {"µN": 1e-6, "mN": 1e-3}[unit])
         assert page.results() == critical
-        # What the floor bears is told past the critical state.
+        # The load of the floor is shown past the critical state.
         assert page.page.is_visible("#floor-numbers") == (load > 1)
         assert not page.page.is_visible("#beyond-note")
     assert forces == sorted(forces)
@@ -230,11 +230,11 @@ def test_curves_and_path_fill_in(explore):
     assert page.page.locator("#curve-indentation path.homogenised-curve").count() == 1
 
 
-def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
+def test_slow_cases_report_progress_and_do_not_block(explore):
     page = explore("#" + "&".join(paper(0.03)))
     page.page.evaluate(
         """() => {
-            window.told = [];
+            window.messages = [];
             window.longest = 0;
             let last = performance.now();
             const frame = (now) => {
@@ -244,7 +244,7 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
             };
             requestAnimationFrame(frame);
             const status = document.getElementById("status");
-            new MutationObserver(() => window.told.push(status.textContent))
+            new MutationObserver(() => window.messages.push(status.textContent))
                 .observe(status, { childList: true, characterData: true, subtree: true });
             const method = document.getElementById("method-accuracy");
             method.value = "accurate";
@@ -254,11 +254,11 @@ def test_slow_cases_say_how_far_they_are_and_do_not_block(explore):
             slider.dispatchEvent(new Event("input"));
         }"""
     )
-    page.until("window.told.some((words) => /step \\d+, \\d+ pillars touched/.test(words))")
-    # A newer question is answered at once, whatever is under way.
+    page.until("window.messages.some((words) => /step \\d+, \\d+ pillars touched/.test(words))")
+    # A newer request is answered at once, even during another computation.
     page.enter("pattern.surface_fraction", "0.01")
     assert page.text("pillars").startswith("13 pillars")
-    # Frames go on meanwhile; how fast depends on the machine.
+    # Frames are drawn meanwhile; their rate depends on the machine.
     assert page.page.evaluate("() => window.longest") < 2000
 
 
@@ -394,7 +394,7 @@ def test_one_name_for_one_radius(explore, load):
 
 
 def test_the_section_is_cut_by_its_frame(explore):
-    # Ten times as much exaggerated every height is ten times as far from the middle, outside of the picture too.
+    # With ten times the exaggeration every height is ten times as far from the middle, also outside of the picture.
     page = explore("#" + "&".join(paper(0.02)))
     heights = []
     for power in (1, 2):
@@ -423,9 +423,9 @@ def test_the_exaggeration_is_fitted_again(explore):
 
 
 def test_an_address_that_is_entered_is_not_written_over(explore):
-    """The page is told late of an address that was entered: after it would have put there what it shows itself."""
+    """The event of an entered address is delivered late: after the time at which the page writes its own address."""
 
-    def be_told_late(page):
+    def deliver_the_address_late(page):
         page.add_init_script(
             """addEventListener("hashchange", (event) => {
                 if (!event.isTrusted) return;
@@ -434,7 +434,7 @@ def test_an_address_that_is_entered_is_not_written_over(explore):
             });"""
         )
 
-    page = explore("#" + "&".join(paper(0.03)), before=be_told_late)
+    page = explore("#" + "&".join(paper(0.03)), before=deliver_the_address_late)
     page.change("pattern.surface_fraction", "0.04")
     entered = "#" + "&".join(paper(0.05))
     page.page.evaluate("(entered) => { location.hash = entered; }", entered)
@@ -503,7 +503,7 @@ def test_the_command_gives_the_same_result(explore, tmp_path):
     assert abs(force / number - 1) < 1e-5
 
 
-def test_the_command_asks_nothing_of_a_case_that_is_there(explore, tmp_path):
+def test_the_command_needs_no_option_for_an_existing_case(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.01)))
     other = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(other)], check=True, stdout=subprocess.DEVNULL)

@@ -8,14 +8,14 @@ import subprocess
 import pytest
 from test_explorer import paper
 
-# The colour of the middle of the map's pixel at a part of its width and height.
+# Colour of the map at a fraction of its width and height.
 PIXEL = """([x, y]) => {
     const map = document.getElementById("map");
     const at = [Math.floor(x * map.width), Math.floor(y * map.height)];
     return [...map.getContext("2d").getImageData(...at, 1, 1).data].slice(0, 3);
 }"""
 
-# Parts of the map's width and height under which its note tells of the floor.
+# Positions on the map, as fractions of its width and height, at which its note describes the floor.
 ON_FLOOR = """() => {
     const map = document.getElementById("map");
     const { left, top, width, height } = map.getBoundingClientRect();
@@ -42,7 +42,7 @@ def quantity(text):
     return float(number) * {"nN": 1e-9, "µN": 1e-6, "mN": 1e-3, "µm": 1e-6, "nm": 1e-9}[unit]
 
 
-def test_the_load_slider_goes_on_into_mixed_contact(explore, tmp_path):
+def test_the_load_slider_continues_into_mixed_contact(explore, tmp_path):
     page = explore("#" + "&".join(paper(0.03)))
     assert not page.page.is_visible("#floor-numbers")
     assert not page.page.is_visible("#floor-key")
@@ -50,7 +50,7 @@ def test_the_load_slider_goes_on_into_mixed_contact(explore, tmp_path):
     page.slide("load", 1.8)
     assert page.page.is_visible("#floor-numbers")
     assert not page.page.is_visible("#beyond-note")
-    # The numbers are those of the program, in the digits that their errors leave.
+    # The numbers are those of the program, rounded to their errors.
     command = page.text("command").replace("fakir ", os.environ["FAKIR"] + " ")
     done = subprocess.run(
         command + " --json", shell=True, cwd=tmp_path, check=True, capture_output=True, text=True
@@ -90,7 +90,7 @@ def test_the_floor_in_contact_is_on_the_map_and_in_the_section(explore):
     assert page.page.locator("#section path.floor-part").count() == 0
 
 
-def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
+def test_without_floor_contact_the_floor_is_ignored(explore):
     page = explore(mixed(0.03, 1.8))
     force = quantity(re.search(r"F = ([^,]+)", page.text("load-numbers")).group(1))
     assert page.page.is_checked("#floor-contact")
@@ -105,7 +105,7 @@ def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
     assert "contact = false" in page.text("case-file")
     assert "floor_contact=False" in page.text("python")
     assert "floor.contact=false" in page.text("command")
-    # The substrates of the paper leave it as it is.
+    # The substrates of the paper do not change it.
     assert page.page.get_attribute("[data-preset=intermediate]", "aria-pressed") == "true"
     page.page.click("[data-preset=soft]")
     page.rest()
@@ -117,7 +117,7 @@ def test_without_floor_contact_the_lens_goes_through_the_floor(explore):
     assert page.page.is_visible("#floor-numbers")
 
 
-def test_other_methods_say_that_they_do_not_know_the_floor(explore):
+def test_other_methods_report_that_they_do_not_support_floor_contact(explore):
     page = explore(mixed(0.01, 1.5))
     page.page.select_option("#method-name", "punch")
     page.rest()
@@ -163,7 +163,7 @@ def test_mixed_contact_fits_every_screen(explore, width, height, scheme):
     page = explore(mixed(0.03, 1.8), width, height, color_scheme=scheme)
     page.until("document.querySelector('#loading path.floor-force') !== null", 60)
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
-    # No number of the floor is cut.
+    # No number of the floor is cut off.
     cut = page.page.evaluate(
         """() => [...document.querySelectorAll("#floor-numbers dd, #floor-key span")]
             .filter((x) => x.scrollWidth > x.clientWidth + 1 && getComputedStyle(x).display !== "inline")

@@ -32,7 +32,7 @@ def test_pages_fit_the_screen_and_load_nothing_from_elsewhere(browser, width, sc
     asked, wrong = [], []
     tab.on("request", lambda request: asked.append(request.url))
     tab.on("pageerror", lambda error: wrong.append(str(error)))
-    # What a page still asks for when it is left is given up.
+    # Requests that are open when a page is left are cancelled.
     tab.on(
         "requestfailed",
         lambda request: request.failure == "net::ERR_ABORTED" or wrong.append(request.url),

@@ -1,12 +1,12 @@
-"""Whatever is on the screen at a time is of one case and load, or it is grey.
+"""All results on the screen belong to one case and load, or are grey.
 
-Answers are held back here, whole or from one of their lines on, so that there is time to look.
+Here answers are delayed, completely or from one of their lines on, so that intermediate states can be tested.
 """
 
 import pytest
 from test_explorer import paper
 
-# What is shown of the critical state of a case, and of a state at a load.
+# Elements that show the critical state of a case, and those that show a state at a load.
 CASE = ["#force-value", "#radius-value", "#indentation-value", "#regime", "#pillars"]
 LOAD = ["#map", "#colour-bar", "#colour-most", "#map-key .partial", "#section", "#load-numbers", "#limits"]
 TEXTS = ["#command", "#python", "#case-file"]
@@ -23,7 +23,7 @@ NOW = [
     *("#phase-legend .critical-point", "#curves-legend .load-point", "#loading-legend .critical-point"),
 ]
 
-# How opaque an element is, with all that it is in.
+# Opacity of an element, including that of the elements that contain it.
 OPACITY = """([selector]) => {
     let opacity = 1;
     for (let at = document.querySelector(selector); at !== null; at = at.parentElement) {
@@ -32,7 +32,7 @@ OPACITY = """([selector]) => {
     return opacity;
 }"""
 
-# Answers to contacts come to the page only up to the line that is to be held back.
+# Answers to contacts reach the page only up to the line that is to be delayed.
 HOLD_LINES = """([key]) => {
     const original = window.fetch;
     let release;
@@ -65,8 +65,8 @@ HOLD_LINES = """([key]) => {
 }"""
 
 
-class Held:
-    """A page of which some requests are held back until they are released."""
+class Delayed:
+    """A page of which some requests are delayed until they are released."""
 
     def __init__(self, explorer, *kinds):
         self.routes = []
@@ -80,7 +80,7 @@ class Held:
             self.routes.append(route)
 
     def release(self):
-        # Requests that come while others are let go are not held any more.
+        # Requests that arrive during the release are not delayed.
         routes, self.routes = self.routes, None
         for route in routes:
             route.continue_()
@@ -130,15 +130,15 @@ def filled(explore):
 def test_everything_is_grey_until_the_new_case_is_solved(filled):
     page = filled()
     before = page.results()
-    held = Held(page, "contact")
+    delayed = Delayed(page, "contact")
     move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() == before
     assert page.page.get_attribute("#section", "aria-busy") == "true"
     assert page.text("status") == "solving …"
-    # What cannot be right yet is not to be copied.
+    # Texts that are out of date cannot be copied.
     assert page.page.is_disabled("[data-copy=command]")
-    held.release()
+    delayed.release()
     page.rest()
     plain(page, CASE + LOAD + TEXTS + CURVES + PHASE + NOW)
     assert page.results() != before
@@ -146,14 +146,14 @@ def test_everything_is_grey_until_the_new_case_is_solved(filled):
 
 def test_another_load_greys_what_depends_on_it(filled):
     page = filled()
-    held = Held(page, "contact")
+    delayed = Delayed(page, "contact")
     move(page, "load", 0.5)
     grey(page, LOAD + TEXTS + ["#phase .load-point"])
-    # The critical state is that of the case, whatever the load.
+    # The critical state belongs to the case, independent of the load.
     plain(page, CASE + CURVES + PHASE + NOW)
-    # The words beside the slider are of the slider.
+    # The text beside the slider belongs to its position.
     assert page.text("load-words").startswith("50")
-    held.release()
+    delayed.release()
     page.rest()
     plain(page, LOAD + TEXTS + ["#phase .load-point"])
 
@@ -176,20 +176,20 @@ def test_a_section_that_is_late_is_grey_beside_the_new_map(filled):
 
 def test_curves_of_the_case_before_are_grey_beside_the_new_point(filled):
     page = filled()
-    held = Held(page, "curves", "phase")
+    delayed = Delayed(page, "curves", "phase")
     place = page.page.get_attribute("#phase .critical-point", "cy")
     page.slide("pattern-pillar-height-slider", 600)
     grey(page, CURVES + PHASE)
     plain(page, NOW + CASE + LOAD)
     assert page.page.get_attribute("#phase .critical-point", "cy") != place
-    held.release()
+    delayed.release()
     plain(page, PHASE)
     page.until("document.querySelectorAll('#curve-force .exact-point').length > 3", 60)
     plain(page, CURVES)
 
 
 def test_beside_an_estimate_the_solution_of_the_case_before_is_grey(explore):
-    # So many pillars that an estimate comes first.
+    # Enough pillars for an estimate to be drawn first.
     page = explore("#" + "&".join(paper(0.12)))
     most = page.text("colour-most")
     page.page.evaluate(HOLD_LINES, ["state"])
@@ -197,7 +197,7 @@ def test_beside_an_estimate_the_solution_of_the_case_before_is_grey(explore):
     page.until("document.getElementById('force-value').textContent.startsWith('≈')")
     grey(page, ["#section", "#load-numbers", "#regime", "#pillars"] + TEXTS)
     plain(page, ["#force-value", "#radius-value", "#map", "#colour-bar"])
-    # The scale of the colours is that of the map that is shown.
+    # The colour scale belongs to the map that is shown.
     assert page.text("colour-most") != most
     page.page.evaluate("() => window.release()")
     page.rest()
@@ -217,9 +217,9 @@ def test_after_an_error_all_that_is_shown_is_grey(filled):
 
 
 def test_the_case_before_is_shown_again_at_once(filled):
-    """Back at a case that is known, nothing of it is grey, though its answer is still to come."""
+    """After the return to an earlier case nothing is grey, although its answer has not arrived yet."""
     page = filled()
-    Held(page, "contact")
+    Delayed(page, "contact")
     move(page, "pattern-pillar-height-slider", 700)
     grey(page, CASE + LOAD)
     page.page.fill("#pattern-pillar-height", "2.2 um")
@@ -268,7 +268,7 @@ def test_the_store_takes_no_line_of_a_question_that_was_called_off(explore):
 
 
 def test_parts_of_the_case_before_turn_grey_with_the_first_part_of_the_next(filled):
-    """Not a fifth of a second later: looked at in the moment in which the critical force changes."""
+    """At the moment at which the critical force changes, not a fifth of a second later."""
     page = filled()
     page.page.evaluate(HOLD_LINES, ["section"])
     page.page.evaluate(
@@ -346,11 +346,11 @@ def test_a_value_that_is_typed_moves_its_slider(explore):
     assert int(page.page.input_value("#pattern-pillar-height-slider")) > int(place)
 
 
-def test_a_button_pressed_twice_says_what_it_does_again(explore):
+def test_a_button_pressed_twice_has_its_label_again(explore):
     page = explore("#" + "&".join(paper(0.01)))
     page.page.click("#copy-link")
     page.until("document.getElementById('copy-link').textContent !== 'copy link'")
     page.page.click("#copy-link")
-    # The words go after 1.2 s.
+    # The text disappears after 1.2 s.
     page.page.wait_for_timeout(2500)
     assert page.text("copy-link") == "copy link"

@@ -1,4 +1,4 @@
-"""The built program, run in a folder of its own; its path is in the environment variable FAKIR."""
+"""The built program, run in a separate folder; its path is in the environment variable FAKIR."""
 
 import json
 import os
@@ -12,7 +12,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 @pytest.fixture(scope="session")
 def fakir(tmp_path_factory):
-    """Runs a command with `--output` and gives the folder and the summary."""
+    """Runs a command with `--output` and returns the folder and the summary."""
     program = os.environ["FAKIR"]
 
     def run(command, example, *arguments):
@@ -43,6 +43,6 @@ def critical(fakir):
 
 @pytest.fixture(scope="session")
 def surface(fakir):
-    """Square pillars, by elements."""
+    """Square pillars, with boundary elements."""
     coarse = ["--set", "surface.grid.cells_per_diameter=8"]
     return fakir("press", "square-pillars.toml", "--indentation", "3um", *coarse)

@@ -1,4 +1,4 @@
-"""Stubs of the classes that the Python package makes of the record: ``python tests/python/stubs.py`` writes them."""
+"""Writes the stubs of the classes that the Python package builds from the record: ``python tests/python/stubs.py``."""
 
 from pathlib import Path
 

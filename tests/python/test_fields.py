@@ -58,7 +58,7 @@ def test_the_file_has_the_case_it_is_from(critical):
         assert data.attrs["source"] == "fakir " + summary["fakir_version"]
 
 
-def test_pillars_bear_the_force(critical):
+def test_pillars_carry_the_force(critical):
     folder, summary = critical
     with xarray.open_dataset(folder / "fields.nc") as data:
         assert float(data.pressure.where(data.on_pillar == 0).max()) == 0.0
@@ -66,7 +66,7 @@ def test_pillars_bear_the_force(critical):
         # the power 1/2 only, here a 25th of the pillar radius.
         force = summary["critical_force_N"]
         assert force_of(data) == pytest.approx(force, rel=0.05)
-        # Points on pillars are as many as the surface fraction says: 0.01 but for the border.
+        # The fraction of points on pillars is the surface fraction, 0.01, up to the border.
         fraction = float(data.on_pillar.mean())
         assert fraction == pytest.approx(summary["surface_fraction"], rel=0.2)
 

@@ -1,5 +1,5 @@
-"""The manual: what runs its pages reports a page that is wrong, and its lists of names are complete; and the
-lines of the READMEs in a new environment, with the command that the package brings."""
+"""The manual: the script that executes its pages reports a wrong page, and its lists of names are complete; and the
+lines of the READMEs in a new environment, with the command in the package."""
 
 import csv
 import importlib.util
@@ -45,7 +45,7 @@ solved in 3.4 s
 
 
 def run_page(text, folder, *options):
-    """The page as it is left, and the run of what is shown on it."""
+    """The page after its execution, and the result of the execution."""
     pages = folder / "pages"
     pages.mkdir()
     page = pages / "page.md"
@@ -61,7 +61,7 @@ def run_page(text, folder, *options):
     return page.read_text(encoding="utf-8"), done
 
 
-def test_a_page_that_says_what_is_printed_passes(tmp_path):
+def test_a_page_that_agrees_with_the_output_passes(tmp_path):
     page, done = run_page(PAGE, tmp_path)
     assert done.returncode == 0, done.stderr
     assert page == PAGE
@@ -131,21 +131,21 @@ DIFFER = [
 ]
 
 
-@pytest.mark.parametrize("says, prints", AGREE)
-def test_texts_that_agree(says, prints):
+@pytest.mark.parametrize("expected, actual", AGREE)
+def test_texts_that_agree(expected, actual):
     difference = pages_module().difference
-    assert difference("page", says, prints) is None
-    assert difference("page", prints, says) is None
+    assert difference("page", expected, actual) is None
+    assert difference("page", actual, expected) is None
 
 
-@pytest.mark.parametrize("says, prints", DIFFER)
-def test_texts_that_differ(says, prints):
+@pytest.mark.parametrize("expected, actual", DIFFER)
+def test_texts_that_differ(expected, actual):
     difference = pages_module().difference
-    assert f"+{prints}" in difference("page", says, prints).splitlines() or "\n" in prints
-    assert difference("page", prints, says) is not None
+    assert f"+{actual}" in difference("page", expected, actual).splitlines() or "\n" in actual
+    assert difference("page", actual, expected) is not None
 
 
-def test_a_command_that_fails_is_told(tmp_path):
+def test_a_command_that_fails_is_reported(tmp_path):
     _, done = run_page("```console\n$ fakir transition nowhere.toml | cat; exit 2\n```\n", tmp_path)
     assert done.returncode == 1
     assert "the status of" in done.stderr
@@ -199,7 +199,7 @@ QUESTIONS = {
     "surface approach": ["approach", "examples/square-pillars.toml", "--step", "1um"],
 }
 
-# The last part of a name: the unit of what a parameter, a design or an axis has.
+# The last part of a name: the unit of a parameter, a design or an axis.
 UNITS = r"_(Pa|m|N|rad|m_per_N)$"
 
 
@@ -220,7 +220,7 @@ def test_every_name_of_a_result_is_in_the_reference(tmp_path):
     printed = subprocess.run([FAKIR, "results"], check=True, capture_output=True, text=True).stdout
     page = re.sub(r"^```.*?^```", "", page, flags=re.M | re.S)
     listed = set(re.findall(r"`([^`]+)`", page + printed))
-    # Objects and what is in them.
+    # Objects and their content.
     listed |= {name for path in listed for name in path.split(".")}
     found = set()
     for name, question in QUESTIONS.items():
@@ -265,7 +265,7 @@ def test_the_wheel_alone_in_a_new_environment(tmp_path):
         )
         assert done.returncode == 0, path
 
-    # The command that the package brings is the program.
+    # The command in the package is the program.
     def answer(*command):
         return subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
 

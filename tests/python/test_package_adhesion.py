@@ -1,4 +1,4 @@
-"""Loading and unloading of pillar tops that stick, as the command line tells it."""
+"""Loading and unloading with adhesive pillar tops; same results as the command line."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -22,7 +22,7 @@ def cycle(system):
     return system.cycle()
 
 
-def test_a_cycle_is_what_the_program_says(cycle):
+def test_a_cycle_agrees_with_the_command(cycle):
     expected = program("cycle", CASE, {})
     assert without_times(cycle.to_dict()) == without_times(expected)
     assert cycle.events == expected["events"]
@@ -35,14 +35,14 @@ def test_a_cycle_is_what_the_program_says(cycle):
     assert "pull-off" in repr(cycle) and "<table>" in cycle._repr_html_()
 
 
-def test_the_curve_holds_the_pull_off_and_the_hysteresis(cycle):
-    """The force is linear between stations: the loop is a sum of trapezia, the largest pull a station."""
+def test_the_curve_contains_the_pull_off_and_the_hysteresis(cycle):
+    """The force is linear between load steps: the loop is a sum of trapezia, the pull-off is at a load step."""
     assert cycle.force[cycle.unloading].min() == cycle.pull_off.force
     assert cycle.pull_off.pillars["force_N"].sum() == pytest.approx(cycle.pull_off.force, rel=1e-6)
     loop = np.sum(0.5 * (cycle.force[1:] + cycle.force[:-1]) * np.diff(cycle.indentation))
     assert loop == pytest.approx(cycle.hysteresis, rel=1e-6)
     assert cycle.certificate < 1e-4
-    # The model has an error of its own, which is larger than the numerical one.
+    # The model error is separate, and larger than the numerical one.
     assert cycle.pull_off.error.model > cycle.pull_off.error.numerical > 0.0
 
 
@@ -65,17 +65,17 @@ def test_adhesion_is_part_of_a_system(system):
         fakir.Adhesion("50 mN")
 
 
-def test_a_floor_that_sticks_is_part_of_a_system(system):
+def test_an_adhesive_floor_is_part_of_a_system(system):
     parts = system.lens, system.substrate, system.pattern
-    sticks = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
-    assert sticks.adhesion == fakir.Adhesion(0.01, floor=True)
-    assert "of the floor too" in repr(sticks)
+    adhesive = fakir.System(*parts, adhesion=fakir.Adhesion("10 mJ/m2", floor=True))
+    assert adhesive.adhesion == fakir.Adhesion(0.01, floor=True)
+    assert "of the floor too" in repr(adhesive)
     assert not system.adhesion.floor
     with pytest.raises(fakir.CaseError) as refused:
         fakir.System(*parts, adhesion=fakir.Adhesion(0.01, floor=True), floor_contact=False)
     assert refused.value.key == "adhesion.floor"
     # Loading ends before the floor: nothing of it is in contact.
-    assert sticks.cycle(to="0.5 um").floor is None
+    assert adhesive.cycle(to="0.5 um").floor is None
 
 
 def test_what_drives_the_lens(system, cycle):
@@ -94,7 +94,7 @@ def test_what_drives_the_lens(system, cycle):
         system.cycle(to="1 um", to_force="1 uN")
 
 
-def test_a_cycle_turns_where_it_is_told_to(system):
+def test_a_cycle_has_the_given_unloading_point(system):
     shorter = system.cycle(to="2 um", retract=False)
     assert shorter.turn_indentation == pytest.approx(2e-6, rel=1e-6)
     assert shorter.critical is None and shorter.pull_off is None
@@ -113,7 +113,7 @@ def test_closed_forms_of_adhesion_are_those_of_the_program(system):
     assert {name: form.force for name, form in found.pull_off.items()} == forces
     assert theory.to_dict(system, "5 nm")["adhesion"] == expected
     assert theory.adhesion(system).tabor_number is None
-    with pytest.raises(ValueError, match="nothing sticks"):
+    with pytest.raises(ValueError, match="no adhesion"):
         theory.adhesion(system.replace({"adhesion.work": 0}))
     with pytest.raises(ValueError, match="range of the attraction"):
         theory.adhesion(system, attraction_range=0.0)

@@ -57,9 +57,9 @@ def test_what_cannot_be_is_refused():
     force = [10e-3, 20e-3]
     with pytest.raises(TypeError, match="give two of force, indentation and area"):
         fakir.design_heights(tops(), force=force)
-    with pytest.raises(ValueError, match="does not rise"):
+    with pytest.raises(ValueError, match="does not increase"):
         fakir.design_heights(tops(), force=force, area=[6e-8, 5e-8])
-    with pytest.raises(fakir.DesignError, match="where all bear the same"):
+    with pytest.raises(fakir.DesignError, match="if all carry the same"):
         fakir.design_heights(tops(), force=force, area=[6e-8, 6e-6])
     with pytest.raises(ValueError, match="give one for each other"):
         fakir.design_heights(tops(), force=force, area=[6e-8])

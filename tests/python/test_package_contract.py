@@ -34,7 +34,7 @@ def table(folder, name):
 
 
 def timeless(result):
-    """A result with its names in their order, but without what differs from run to run."""
+    """A result with its names in their order, without values that differ between runs."""
     if isinstance(result, dict):
         return [(k, timeless(v)) for k, v in result.items() if not k.endswith("time_s")]
     return [timeless(v) for v in result] if isinstance(result, list) else result
@@ -54,7 +54,7 @@ def timeless(result):
         ("cycle", "cycle", "adhesive.toml", ["--set", "pattern.surface_fraction=0.003"]),
     ],
 )
-def test_results_are_as_the_schema_says(kind, command, case, arguments):
+def test_results_match_the_schema(kind, command, case, arguments):
     printed = subprocess.run(
         [os.environ["FAKIR"], "results", "--schema"], capture_output=True, text=True, check=True
     )
@@ -72,7 +72,7 @@ def test_results_are_as_the_schema_says(kind, command, case, arguments):
 
 @contextmanager
 def exploring():
-    """Runs the server of the page, and gives a way to ask it as the page does."""
+    """Runs the server of the page, and returns a function that sends requests as the page does."""
     command = [os.environ["FAKIR"], "explore", "--no-browser"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     try:
@@ -123,7 +123,7 @@ def test_program_package_and_page_give_the_same_object():
         assert timeless(of_page) == expected
         pressed = system.press(indentation=indentation)
         assert timeless(pressed.to_dict()) == expected
-        # What the page draws is the same object, of a moment at which errors are not estimated yet.
+        # The page draws the same object, before errors are estimated.
         lines = ask("/api/contact", values, load=half).splitlines()
         drawn = [json.loads(line) for line in lines]
         summary = next(line["state"]["summary"] for line in drawn if "state" in line)
@@ -169,7 +169,7 @@ def test_a_height_map_gives_the_same_object(tmp_path, floor):
         assert timeless(surface.transition().to_dict()) == timeless(expected)
 
 
-def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
+def test_a_surface_of_a_case_file_has_the_results_of_the_command(tmp_path):
     case = EXAMPLES / "square-pillars.toml"
     overrides = {"surface.grid.cells_per_diameter": 8}
     setting = "--set=surface.grid.cells_per_diameter=8"
@@ -198,13 +198,13 @@ def test_a_surface_of_a_case_file_is_asked_what_the_program_is(tmp_path):
     assert "the answers agree" in repr(verification)
 
 
-def test_a_loading_on_a_map_without_a_floor_is_told_where_to_end(tmp_path):
+def test_a_loading_on_a_map_without_a_floor_needs_its_end(tmp_path):
     _, surface = height_map(tmp_path, floor=False)
     with pytest.raises(ValueError, match="give surface.floor"):
         surface.approach("0.1 um")
     loading = surface.approach("0.1 um", until="0.2 um")
     assert loading.critical is None and len(loading) == 3
-    with pytest.raises(ValueError, match="known on its own cells only"):
+    with pytest.raises(ValueError, match="defined on its own cells only"):
         surface.verify(indentation="0.1 um")
 
 
@@ -235,7 +235,7 @@ def test_tables_and_other_answers_are_the_same(tmp_path):
     assert timeless(fakir.theory.to_dict(system)) == timeless(expected)
     constants = expected["constants"]
     assert fakir.theory.constants(system).reduced_modulus == constants["reduced_modulus_Pa"]
-    # What the list leaves out, as it gives no number there, can still be asked for by itself.
+    # Names that are not in the list, as they are null there, can still be requested separately.
     assert fakir.theory.small_contact(system).force > 0.0
 
     _, expected = saved("design", "--free=pitch", "--critical-force=50uN")

@@ -1,4 +1,4 @@
-"""Fits: those of the program, to the bit, and what they do not take."""
+"""Fits: the same as those of the program, bit for bit, and refused input."""
 
 import copy
 import json
@@ -143,9 +143,9 @@ def test_headings_of_instruments_and_columns_by_hand(table, system, fitted):
 
 
 @pytest.mark.slow
-def test_a_fit_that_does_not_describe_the_data_says_so(system):
+def test_a_fit_that_does_not_describe_the_data_warns(system):
     exact = system.replace({"method.name": "spectral"})
-    with pytest.warns(fakir.FakirWarning, match="it would take machine_compliance"):
+    with pytest.warns(fakir.FakirWarning, match="most likely wrong: machine_compliance"):
         poor = fakir.fit(WHOLE, exact, FREE[:2])
     assert not poor.describes_data and "does not describe" in repr(poor)
     most = poor.left_out[0]
@@ -169,7 +169,7 @@ def test_drifts_and_starts(table, system):
 
 
 @pytest.mark.slow
-def test_what_is_not_determined_is_said(table, system):
+def test_undetermined_parameters_are_reported(table, system):
     free = ["substrate.young_modulus", "lens.young_modulus", "contact_point"]
     known = system.replace({"pattern.pillar.compliance": "none"})
     with pytest.warns(fakir.FakirWarning, match="lens.young_modulus"):
@@ -221,10 +221,10 @@ def test_arguments_that_cannot_be(data, system):
 
 @pytest.mark.slow
 def test_a_retraction_is_fitted_and_a_pull_off_designed():
-    sticky = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
+    adhesive = fakir.System.from_file(EXAMPLES / "fit" / "retraction.toml")
     table = pandas.read_csv(EXAMPLES / "fit" / "retraction.csv", comment="#")
     free = ["adhesion.work", "contact_point", "force_offset", "substrate.young_modulus"]
-    found = fakir.fit(table, sticky, free)
+    found = fakir.fit(table, adhesive, free)
     # As crates/fakir-inverse/examples/synthetic_retraction.rs has them.
     for name, truth in zip(free, [0.035, 3e-6, 2e-6, 1.4e6]):
         low, high = found[name].interval
@@ -237,9 +237,9 @@ def test_a_retraction_is_fitted_and_a_pull_off_designed():
     axes = fakir.plot.fit(found)
     assert "fitted, unloading" in axes[0].get_legend_handles_labels()[1]
     with pytest.raises(fakir.errors.FitError, match="loading"):
-        fakir.fit({**table, "branch": ["up"] * len(table)}, sticky, free)
-    assert any("Kendall" in work.text for work in fakir.cite(sticky))
-    sparse = sticky.replace({"pattern.surface_fraction": 0.01})
+        fakir.fit({**table, "branch": ["up"] * len(table)}, adhesive, free)
+    assert any("Kendall" in work.text for work in fakir.cite(adhesive))
+    sparse = adhesive.replace({"pattern.surface_fraction": 0.01})
     designed = fakir.design(sparse, "substrate.young_modulus", pull_off="15 uN")
     error = designed.cycle.pull_off.error.numerical
     assert abs(designed.cycle.pull_off.force / -15e-6 - 1) <= error

@@ -1,4 +1,4 @@
-"""Past the transition: pillar tops and floor together, as the command line tells it."""
+"""Past the transition: pillar tops and floor together; same results as the command line."""
 
 import pickle
 import warnings
@@ -26,7 +26,7 @@ def state(system):
         return system.press(indentation="4 um")
 
 
-def test_what_the_floor_bears_is_what_the_program_says(state):
+def test_the_load_of_the_floor_agrees_with_the_command(state):
     expected = program("press", CASE, OVERRIDES, "--indentation", "4um")
     assert without_times(state.to_dict()) == without_times(expected)
     floor = state.floor
@@ -40,11 +40,11 @@ def test_what_the_floor_bears_is_what_the_program_says(state):
     assert floor.patches == expected["floor"]["patches"]
     assert list(floor.cell) == expected["floor"]["cell_m"]
     assert floor.error._asdict() == expected["floor"]["relative_error_estimate"]
-    assert "share of the floor" in repr(floor) and "share of the floor" in repr(state)
+    assert "fraction on the floor" in repr(floor) and "fraction on the floor" in repr(state)
     assert "<table>" in floor._repr_html_()
 
 
-def test_the_cells_of_the_floor_bear_its_force(state):
+def test_the_cells_of_the_floor_carry_its_force(state):
     floor = state.floor
     width, height = floor.cell
     assert width * height * floor.pressure.sum() == pytest.approx(floor.force, rel=1e-9)
@@ -61,7 +61,7 @@ def test_fields_have_the_floor_in_them(state):
     some = slice(None, None, 7)
     x, y = floor.x[some], floor.y[some]
     assert np.allclose(state.pressure(x, y), floor.pressure[some], rtol=1e-12)
-    # Gaps are zero but for what cells do not resolve, far below the indentation.
+    # Gaps are zero up to the resolution of the cells, far below the indentation.
     assert np.abs(state.gap(x, y)).max() < 2e-3 * state.indentation
     data = state.to_xarray(301)
     assert data.attrs["floor_force_N"] == floor.force
@@ -79,7 +79,7 @@ def test_without_the_floor_the_force_is_smaller(system, state):
     assert through.floor is None and through.beyond_transition
     assert through.smallest_floor_gap < 0.0
     assert state.force > through.force > state.force - state.floor.force
-    with pytest.warns(fakir.FakirWarning, match="the method punch does not know what the floor bears"):
+    with pytest.warns(fakir.FakirWarning, match="the method punch does not compute the load of the floor"):
         assert system.press(indentation="4 um", method="punch").floor is None
     # Before the transition it makes no difference.
     with_floor, without = system.press(indentation="1 um"), ignored.press(indentation="1 um")
@@ -91,7 +91,7 @@ def test_a_system_keeps_whether_there_is_floor_contact(system, tmp_path):
     ignored = fakir.System(*parts, floor_contact=False)
     assert fakir.System(*parts).floor_contact and not ignored.floor_contact
     assert ignored != fakir.System(*parts)
-    assert "floor" not in repr(system) and "the lens goes through it" in repr(ignored)
+    assert "floor" not in repr(system) and "contact ignored" in repr(ignored)
     file = tmp_path / "case.toml"
     file.write_text(ignored.to_toml())
     assert "contact = false" in ignored.to_toml()
@@ -106,7 +106,7 @@ def test_a_system_keeps_whether_there_is_floor_contact(system, tmp_path):
         fakir.System(*parts, floor_contact="false")
 
 
-def test_a_loading_goes_on_through_the_transition(system):
+def test_a_loading_continues_through_the_transition(system):
     loading = system.approach("1 um", to="4 um")
     table = loading.to_pandas()
     assert table.indentation_m.iloc[-1] == pytest.approx(4e-6, rel=1e-12)

@@ -41,6 +41,6 @@ def test_gradients_are_differences():
     assert found.force["pattern.pillar.height"] == pytest.approx(alone, rel=1e-6)
 
 
-def test_what_has_no_gradient_says_so():
+def test_unavailable_gradients_are_refused():
     with pytest.raises(fakir.SolveError, match="no pillar is touched"):
         fakir.System.from_file(CASE, overrides=SPARSE).gradient(indentation=0)

@@ -1,4 +1,4 @@
-"""What the package takes, and what it says about what it does not take."""
+"""Accepted input of the package, and the errors of other input."""
 
 import numpy as np
 import pint
@@ -58,7 +58,7 @@ def test_what_is_no_radius(radius, error, words):
         system(radius=radius)
 
 
-def test_errors_know_the_key_and_the_place(tmp_path):
+def test_errors_have_the_key_and_the_place(tmp_path):
     with pytest.raises(fakir.CaseError) as error:
         system(poisson_ratio=0.6)
     assert isinstance(error.value, ValueError)
@@ -158,7 +158,7 @@ def test_fractions_in_per_cent():
         fakir.Lens("3 %", 1, 0.5)
 
 
-def test_older_names_of_arguments_are_told():
+def test_older_names_of_arguments_cause_warnings():
     with pytest.warns(FutureWarning, match="force is now called critical_force"):
         older = fakir.design(system(), "pitch", force="50 uN")
     assert older.value == fakir.design(system(), "pattern.pitch", critical_force="50 uN").value
@@ -166,7 +166,7 @@ def test_older_names_of_arguments_are_told():
         fakir.design(system(), "pitch", force="50 uN", critical_force="50 uN")
 
 
-def test_older_names_of_the_scatter_of_heights_are_told():
+def test_older_names_of_the_scatter_of_heights_cause_warnings():
     def square(**options):
         return fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", **options)
 
@@ -182,11 +182,15 @@ def test_older_names_of_the_scatter_of_heights_are_told():
     assert older == system().replace({"pattern.height_standard_deviation": 0.03})
 
 
-def test_former_names_of_classes_and_arguments_are_told(tmp_path):
+def test_former_names_of_classes_and_arguments_cause_warnings(tmp_path):
     with pytest.warns(FutureWarning, match="fakir.SquareTexture is now called fakir.SquarePattern"):  # former name
         assert fakir.SquareTexture is fakir.SquarePattern  # former name
     with pytest.warns(FutureWarning, match="fakir.RoundedTops is now called fakir.AsperityArray"):  # former name
         assert fakir.RoundedTops is fakir.AsperityArray  # former name
+    with pytest.warns(FutureWarning, match="fakir.StuckFloor is now called fakir.AdhesiveFloor"):  # former name
+        assert fakir.StuckFloor is fakir.AdhesiveFloor  # former name
+    with pytest.warns(FutureWarning, match="is now called fakir.theory.AdhesiveSphere"):
+        assert fakir.theory.StickySphere is fakir.theory.AdhesiveSphere  # former name
     with pytest.raises(AttributeError, match="has no attribute 'HexagonalTextures'"):
         fakir.HexagonalTextures  # noqa: B018
     pattern = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", vacancy_fraction="10 %")
@@ -233,13 +237,13 @@ def test_spread_draws_what_the_command_line_draws(tmp_path):
 
     case = tmp_path / "case.toml"
     case.write_text(system().replace({"pattern.surface_fraction": "0.05 %"}).to_toml())
-    told = subprocess.run(
+    printed = subprocess.run(
         [os.environ["FAKIR"], "design", case, "--tolerance", "pattern.pillar.height=3%", "--json", "--quiet"],
         stdout=subprocess.PIPE,
         check=True,
     )
     drawn = fakir.spread(fakir.System.from_file(case), {"pattern.pillar.height": "3%"})
-    assert drawn.to_dict()["spread"] == json.loads(told.stdout)["spread"]
+    assert drawn.to_dict()["spread"] == json.loads(printed.stdout)["spread"]
 
 
 def test_bodies_of_a_height_map_can_have_a_thickness() -> None:

@@ -35,24 +35,24 @@ def test_a_lens_is_what_was_given(lens):
     assert np.all(state.gap(np.linspace(-4e-5, 4e-5, 81), 0.0) > -1e-9)
 
 
-def test_the_program_says_the_same():
+def test_the_command_agrees():
     case = str(EXAMPLES / "cylinder.toml")
     run = [os.environ["FAKIR"], "press", case, "--indentation", "1um", "--json", "--quiet"]
     done = subprocess.run(run, capture_output=True, text=True)
-    told = json.loads(done.stdout)
+    printed = json.loads(done.stdout)
     state = fakir.System.from_file(case).press(indentation="1 um")
-    assert told["lens_shape"] == "cylinder"
-    assert told["force_N"] == state.force
+    assert printed["lens_shape"] == "cylinder"
+    assert printed["force_N"] == state.force
 
 
 def test_what_cannot_be_is_refused():
-    endless = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
-    with pytest.raises(fakir.CaseError, match="endlessly many pillars"):
-        fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), endless)
+    infinite = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
+    with pytest.raises(fakir.CaseError, match="infinitely many pillars"):
+        fakir.System(fakir.PlateLens(*RUBBER), fakir.Substrate(*RUBBER), infinite)
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
     with pytest.raises(fakir.SolveError, match="has no transition"):
         system.transition()
-    # A height map is touched by a sphere or a plate of its own.
+    # The indenter of a height map is a separate sphere or plate.
     with pytest.raises(TypeError, match="give a Lens or a Plate"):
         fakir.bem.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
     # What is made for a sphere gives no number.

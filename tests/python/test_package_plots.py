@@ -141,7 +141,7 @@ def test_a_cycle_shows_its_branches_and_its_pull_off():
     names = [line.get_label() for line in axes[0].lines]
     assert names == ["loading", "unloading", "attachment", "detachment", "critical state", "pull-off"]
     assert axes[0].lines[-1].get_ydata()[0] == 1e6 * cycle.pull_off.force
-    # The second is as high as it is deep: the pull is in sight.
+    # The range of the second chart is symmetric about zero, so that the tension is visible.
     low, high = axes[1].get_ylim()
     assert low < 1e6 * cycle.pull_off.force and high == -low
     assert fakir.plot.cycle(cycle, plt.figure().subplots(3))[0] is not axes[0]

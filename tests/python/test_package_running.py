@@ -84,12 +84,12 @@ def test_ctrl_c_stops_a_sweep_and_keeps_the_journal(tmp_path):
     assert 4 <= len(lines) < 2000
 
 
-def test_progress_is_told_on_the_calling_thread():
-    told = []
+def test_progress_is_reported_on_the_calling_thread():
+    reports = []
     system = fakir.System.from_file(EXAMPLE)
-    system.transition(progress=lambda *news: told.append((threading.get_ident(), *news)))
-    assert {news[0] for news in told} == {threading.get_ident()}
-    stage, step, pillars, touched = told[-1][1:]
+    system.transition(progress=lambda *news: reports.append((threading.get_ident(), *news)))
+    assert {news[0] for news in reports} == {threading.get_ident()}
+    stage, step, pillars, touched = reports[-1][1:]
     assert stage == "error estimate"
     assert step > 0
     assert 0 < touched <= pillars
@@ -118,9 +118,9 @@ def test_more_threads_than_processors_are_warned_of():
     system = fakir.System.from_file(EXAMPLE)
     study = {"system": system, "axes": {"surface_fraction": [0.01]}}
     for run in [lambda: system.transition(threads=9999), lambda: fakir.sweep(study, threads=9999)]:
-        with pytest.warns(fakir.FakirWarning, match="9999 threads exceed the number of processors") as told:
+        with pytest.warns(fakir.FakirWarning, match="9999 threads exceed the number of processors") as reports:
             run()
-        assert [warning.filename for warning in told] == [__file__]
+        assert [warning.filename for warning in reports] == [__file__]
 
 
 def test_threads_do_not_change_the_answer():

@@ -64,7 +64,7 @@ def test_all_processors_and_executors_give_the_table_of_the_program(table, tmp_p
         assert fakir.sweep(STUDY, executor).to_csv() == table
     journal = (tmp_path / "threads" / "journal.jsonl").read_text().splitlines()
     assert len(journal) == 1 + CASES
-    # The program goes on from the journal of the package, and finds nothing to do.
+    # The program continues from the journal of the package, and has nothing to do.
     program = os.environ["FAKIR"]
     study = tmp_path / "study.toml"
     study.write_text(STUDY)
@@ -107,12 +107,12 @@ def test_the_table_as_pandas_xarray_and_rows():
 
 
 def test_progress_stays_here_and_stops_the_sweep(tmp_path):
-    told = []
+    news = []
     with ProcessPoolExecutor(1) as executor:
         # A closure over a lock cannot be pickled, and need not be.
         lock = threading.Lock()
-        fakir.sweep(STUDY, executor, progress=lambda *a: (lock, told.append(a)))
-    assert told[-1] == (CASES, 0, 0, CASES)
+        fakir.sweep(STUDY, executor, progress=lambda *a: (lock, news.append(a)))
+    assert news[-1] == (CASES, 0, 0, CASES)
 
     def refuse(*_):
         raise RuntimeError("enough")
@@ -158,9 +158,9 @@ def test_a_damaged_line_is_named_and_its_case_computed_again(table, tmp_path):
     lines = journal.read_text().splitlines(keepends=True)
     lines[4] = lines[4].replace("top_first", "bottom_first")
     journal.write_text("".join(lines))
-    with pytest.warns(fakir.FakirWarning, match=r"journal\.jsonl:5: this line is damaged") as told:
+    with pytest.warns(fakir.FakirWarning, match=r"journal\.jsonl:5: this line is damaged") as news:
         done = fakir.sweep(STUDY, output=tmp_path / "out", resume=True)
-    assert len(told) == 1 and told[0].filename == __file__
+    assert len(news) == 1 and news[0].filename == __file__
     assert done.found == CASES - 1
     assert done.to_csv() == table
 
@@ -209,9 +209,9 @@ def test_a_broken_pool_loses_nothing_that_was_answered(table, tmp_path):
     assert "Dying cannot be used any more" in str(error.value)
     kept = len((folder / "journal.jsonl").read_text().splitlines()) - 1
     assert 0 < kept < CASES
-    told = []
-    done = fakir.sweep(STUDY, Dying(-1), folder, resume=True, progress=lambda *a: told.append(a))
-    assert done.found == kept == told[-1][1]
+    news = []
+    done = fakir.sweep(STUDY, Dying(-1), folder, resume=True, progress=lambda *a: news.append(a))
+    assert done.found == kept == news[-1][1]
     assert done.to_csv() == table
 
 

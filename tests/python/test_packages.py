@@ -1,4 +1,4 @@
-"""What the crates, the wheel and the source distribution hold."""
+"""Contents of the crates, the wheel and the source distribution."""
 
 import json
 import os
@@ -36,7 +36,7 @@ def test_every_published_crate_has_what_a_registry_shows():
         assert crate["metadata"]["docs"]["rs"]["all-features"]
 
 
-def test_every_published_crate_holds_licences_and_its_readme():
+def test_every_published_crate_contains_licences_and_its_readme():
     for crate in published():
         package = ["package", "--list", "--allow-dirty", "--locked", "--package", crate["name"]]
         files = set(cargo(*package).split())
@@ -48,7 +48,7 @@ def test_every_published_crate_holds_licences_and_its_readme():
 
 
 @pytest.mark.skipif("FAKIR_WHEEL" not in os.environ, reason="no wheel was built")
-def test_the_wheel_holds_the_package_and_nothing_else():
+def test_the_wheel_contains_the_package_and_nothing_else():
     with zipfile.ZipFile(os.environ["FAKIR_WHEEL"]) as wheel:
         files = wheel.namelist()
         entry = next(name for name in files if name.endswith(".dist-info/entry_points.txt"))
@@ -59,7 +59,7 @@ def test_the_wheel_holds_the_package_and_nothing_else():
 
 
 @pytest.mark.slow
-def test_the_source_distribution_holds_all_that_is_built(tmp_path):
+def test_the_source_distribution_contains_all_that_is_built(tmp_path):
     make = [sys.executable, "-m", "maturin", "sdist", "--out", str(tmp_path)]
     subprocess.run(make, cwd=ROOT / "python", check=True, capture_output=True)
     with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:

@@ -44,7 +44,7 @@ def test_pandas_reads_the_table_and_converts_it_to_parquet(swept, tmp_path):
     assert np.allclose(csv["pattern.surface_fraction"], csv["surface_fraction"], rtol=1e-12)
 
 
-def test_a_sweep_saves_no_other_table_and_says_where_it_is_from(swept):
+def test_a_sweep_saves_no_other_table_and_its_provenance(swept):
     provenance = json.loads((swept / "provenance.json").read_text())
     assert provenance["reference_doi"] == "10.1103/PhysRevE.104.055007"
     figures = ["critical-states.svg", "critical-states.png"]

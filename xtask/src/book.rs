@@ -1,4 +1,4 @@
-//! The manual: its pages run, its formulas converted, and laid out as a book in `target/book`.
+//! The manual: executes its pages, converts its formulas, and builds the book in `target/book`.
 
 use crate::browser;
 use crate::python;
@@ -7,18 +7,18 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The pages, the program that lays them out, and the script that runs what they show.
+/// The pages, the program that builds the book, and the script that executes the blocks of pages.
 const BOOK: &str = "book";
 
-/// The pages of theory, and the same with formulas that rustdoc shows.
+/// The pages of theory, and their versions with formulas for rustdoc.
 const THEORY: [&str; 2] = ["crates/fakir/doc", "crates/fakir/doc/rendered"];
 
-/// The book, if every page says what its commands print.
+/// Builds the book, and checks that every page agrees with the output of its commands.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     make(cargo, false)
 }
 
-/// The book, its pages rewritten to say what their commands print.
+/// Builds the book, and writes the output of commands into its pages.
 pub(crate) fn update(cargo: &OsStr) -> Result<(), String> {
     make(cargo, true)
 }
@@ -51,7 +51,7 @@ fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
         runner.arg("--update");
     }
     run(&mut runner).map_err(|_| {
-        "pages say something else than their commands print: if what is printed is right, run \
+        "pages differ from the output of their commands: if the output is right, run \
          cargo xtask book --update"
             .to_owned()
     })?;
@@ -65,14 +65,14 @@ fn make(cargo: &OsStr, update: bool) -> Result<(), String> {
     Ok(())
 }
 
-/// The program that lays out the book.
+/// The program that builds the book.
 fn manual(cargo: &OsStr, target: &Path) -> Result<PathBuf, String> {
     run_cargo(cargo, "build --release --locked --package fakir-manual")?;
     let name = format!("release/fakir-manual{}", std::env::consts::EXE_SUFFIX);
     Ok(target.join(name))
 }
 
-/// Where programs are looked for, the folders of these first.
+/// The search path for programs, with the folders of these first.
 fn path_with(programs: [&Path; 2]) -> Result<std::ffi::OsString, String> {
     let first = programs.iter().filter_map(|program| program.parent());
     let others = std::env::var_os("PATH").unwrap_or_default();

@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 pub(crate) const TESTS: &str = "tests/browser";
 const PAGE: &str = "crates/fakir-explore/page";
 
-/// Names of Chromium, and of browsers that will do.
+/// Names of Chromium, and of suitable other browsers.
 const NAMES: [&str; 4] = [
     "chromium",
     "chromium-browser",
@@ -35,7 +35,7 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let inputs = python::inputs(&[], &[&program]);
     let mut tests = python::pytest(&python, TESTS, marked);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
-    // The manual is looked at if it was built, as it is where every check is run.
+    // The manual is tested if it was built, as it is if every check is run.
     let book = target_folder()?.join("book");
     if book.join("index.html").is_file() {
         tests.env("BOOK", book);
@@ -43,7 +43,7 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     passed::unless_passed(name, inputs, || run(&mut tests))
 }
 
-/// The browser: that named in CHROMIUM, one that is installed, or else Debian's, installed now.
+/// The browser: the one in the environment variable CHROMIUM, an installed one, or that of Debian, which is then installed.
 pub(crate) fn chromium() -> Result<PathBuf, String> {
     if let Some(named) = std::env::var_os("CHROMIUM") {
         return Ok(named.into());
@@ -56,8 +56,8 @@ pub(crate) fn chromium() -> Result<PathBuf, String> {
     })
 }
 
-/// Whether `tsc` finds the types right that the comments of the page's scripts state. This needs node, which only
-/// developers of the page have: without it the check prints that it was skipped.
+/// Checks the types in the comments of the page's scripts with `tsc`. This needs node, which only developers of the
+/// page have: without it the check prints that it was skipped.
 fn types_are_right() -> Result<(), String> {
     let available = |program: &str| {
         let mut command = Command::new(program);

@@ -1,4 +1,4 @@
-//! Random systems over all that is allowed, and whether every estimate covers its error: the example
+//! Random systems over all valid parameters, and whether every estimate covers its error: the example
 //! `campaign` of the crate `fakir`.
 
 use crate::shell::run;

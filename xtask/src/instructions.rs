@@ -1,8 +1,7 @@
-//! Counts of instructions of hot kernels and whole runs, beside those that are committed.
+//! Compares counts of instructions of hot kernels and whole runs with the committed ones.
 //!
-//! Instructions do not depend on what else a machine does, so a change that costs speed shows where a
-//! clock would not tell. Counts are comparable for one compiler and one kind of processor only;
-//! elsewhere the check says so and compares nothing.
+//! Counts do not depend on other processes, and so detect changes of speed that a clock would not. They are comparable
+//! for one compiler and one kind of processor only; otherwise the check prints this and compares nothing.
 
 use crate::{package, tests};
 use std::collections::BTreeMap;
@@ -13,7 +12,7 @@ use std::process::Command;
 /// The committed counts: a line with the compiler, then `name,instructions`.
 const RECORDED: &str = "bench/instructions.csv";
 
-/// Relative change that counts as none.
+/// Largest relative change that is accepted.
 const BAND: f64 = 0.05;
 
 /// Kernels of `crates/fakir/examples/kernels.rs`.
@@ -41,7 +40,7 @@ const RUNS: [(&str, &[&str]); 3] = [
             "pattern.surface_fraction=0.2",
             "--indentation",
             "100um",
-            // The tops alone, whose count it has been.
+            // The tops alone, for which the count was recorded.
             "--without-floor",
         ],
     ),
@@ -90,9 +89,9 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
 }
 
 const RECORD_IT: &str =
-    "run cargo xtask record instructions and say why in a line of bench/LEDGER.md";
+    "run cargo xtask record instructions and give the reason in a line of bench/LEDGER.md";
 
-/// Writes the present counts in the place of those that are committed.
+/// Replaces the committed counts by the present ones.
 pub(crate) fn record(cargo: &OsStr) -> Result<(), String> {
     let mut text = format!("{}\n", compiler_here()?);
     for (name, count) in count(cargo)? {
@@ -114,7 +113,7 @@ fn parse(recorded: &str) -> Result<(&str, BTreeMap<String, u64>), String> {
     Ok((compiler, counts.collect::<Result<_, _>>()?))
 }
 
-/// What counts depend on: the compiler, and the vectors of the processor.
+/// Conditions of the counts: the compiler, and the vector instructions of the processor.
 fn compiler_here() -> Result<String, String> {
     let output = Command::new("rustc")
         .arg("--version")

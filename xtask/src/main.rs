@@ -1,6 +1,6 @@
-//! Checks of the repository, in two tiers, and what is made beside them.
+//! Checks of the repository, in two tiers, and other commands.
 //!
-//! `cargo xtask test` runs the first tier: all that is needed to trust a clone. `cargo xtask test all` adds the second.
+//! `cargo xtask test` runs the first tier, which is sufficient to trust a clone. `cargo xtask test all` adds the second.
 //! `cargo xtask` alone lists every command.
 
 mod book;
@@ -20,7 +20,7 @@ use shell::{cargo, run_cargo};
 use std::ffi::OsStr;
 use std::process::ExitCode;
 
-/// When a check is run.
+/// Tier of a check.
 #[derive(Clone, Copy, PartialEq)]
 enum Tier {
     /// By `cargo xtask test`: minutes on two cores.
@@ -31,7 +31,7 @@ enum Tier {
 
 struct Check {
     name: &'static str,
-    /// What it runs.
+    /// The function that runs it.
     summary: &'static str,
     tier: Tier,
     run: fn(&OsStr) -> Result<(), String>,
@@ -164,9 +164,9 @@ fn main() -> ExitCode {
     }
 }
 
-fn run_checks(wanted: impl Fn(&Check) -> bool) -> ExitCode {
+fn run_checks(selected: impl Fn(&Check) -> bool) -> ExitCode {
     let cargo = cargo();
-    let checks: Vec<&Check> = CHECKS.iter().filter(|check| wanted(check)).collect();
+    let checks: Vec<&Check> = CHECKS.iter().filter(|check| selected(check)).collect();
     if checks.len() > 1 {
         // Downloads take place while tests are compiled.
         std::thread::spawn(fetch);

@@ -1,18 +1,18 @@
-//! Programs that checks need and that a bare machine may not have.
+//! Programs that checks need and that may not be installed.
 
 use crate::shell::run;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// To be held while something is installed: what a check needs may be on its way already.
+/// Locked during an installation, as several checks may need the same package.
 pub(crate) fn installing() -> MutexGuard<'static, ()> {
     static INSTALLING: Mutex<()> = Mutex::new(());
     INSTALLING.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The first of the programs that is on the path; if there is none, the package of Debian is installed by
-/// apt-get, which takes a machine where that is allowed.
+/// apt-get, if this is permitted.
 pub(crate) fn program(names: &[&str], package: &str) -> Result<PathBuf, String> {
     let _one = installing();
     if let Some(found) = on_path(names) {
@@ -28,7 +28,7 @@ pub(crate) fn program(names: &[&str], package: &str) -> Result<PathBuf, String> 
         run(&mut command)
     };
     let install = ["install", "--yes", "--no-install-recommends", package];
-    // Lists of packages may be there already; if not, they are fetched.
+    // Lists of packages may be present already; if not, they are downloaded.
     let result = apt(&install).or_else(|_| apt(&["update"]).and_then(|()| apt(&install)));
     match (result, on_path(names)) {
         (Ok(()), Some(found)) => Ok(found),

@@ -1,4 +1,4 @@
-//! Which checks have passed with the same inputs before, so that they need not run again.
+//! Records checks that have passed with the same inputs, which need not run again.
 //!
 //! A check's inputs are files: programs by their contents, and all files of the repository that are not Rust source, as tests
 //! may read any of them. Rust source counts through the programs that are built from it.
@@ -9,7 +9,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A number for the contents of files.
+/// A hash of the contents of files.
 pub(crate) fn fingerprint<'a>(
     words: &[&str],
     files: impl IntoIterator<Item = &'a Path>,

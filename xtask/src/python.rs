@@ -1,7 +1,7 @@
 //! The files that fakir saves, opened from Python, and the Python package: `tests/python`.
 //!
-//! What the tests need goes into an environment of its own below the target folder, made anew when
-//! it changes.
+//! The packages that the tests need are installed in a separate environment below the target folder, which is
+//! created again when their list changes.
 
 use crate::shell::{run, target_folder};
 use crate::{package, passed, tests};
@@ -11,7 +11,7 @@ use std::process::Command;
 
 pub(crate) const TESTS: &str = "tests/python";
 
-/// The Python package, of which a wheel is built.
+/// The Python package, from which a wheel is built.
 const PACKAGE: &str = "python";
 
 /// The mark of slow tests.
@@ -47,7 +47,7 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     ));
     let inputs = inputs(&[], &[&program, &module]);
     passed::unless_passed(name, inputs, || {
-        // As many files of tests at a time as there are processors.
+        // One file of tests for every processor at the same time.
         run(pytest(&python, TESTS, marked)
             .args(["--numprocesses", "auto", "--dist", "loadfile"])
             .env("FAKIR", program)
@@ -55,7 +55,7 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     })
 }
 
-/// A number for what tests in Python depend on: programs, and all files that are not Rust source.
+/// A hash of the inputs of tests in Python: programs, and all files that are not Rust source.
 pub(crate) fn inputs(words: &[&str], programs: &[&Path]) -> Option<u64> {
     let data = passed::data_files().ok()?;
     let files = programs
@@ -76,12 +76,12 @@ pub(crate) fn package(cargo: &OsStr) -> Result<(PathBuf, PathBuf, PathBuf), Stri
     Ok((python, program, wheel))
 }
 
-/// The Python of the tests in a folder, and the program, up to date.
+/// The Python of the tests in a folder, and the program, both up to date.
 pub(crate) fn prepare(cargo: &OsStr, tests: &str) -> Result<(PathBuf, PathBuf), String> {
     Ok((environment(tests)?, tests::built_command(cargo)?))
 }
 
-/// The tests of a folder that carry a mark, or do not.
+/// Runs the tests of a folder with a mark, or those without it.
 pub(crate) fn pytest(python: &Path, tests: &str, marked: &str) -> Command {
     let mut command = Command::new(python);
     command
@@ -126,7 +126,7 @@ pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
         "bin/python"
     });
     let stamp = folder.join("installed.txt");
-    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == required) {
         return Ok(python);
     }
     run(Command::new(&system)
@@ -157,20 +157,20 @@ fn install(python: &Path, list: &Path, stamp: &Path, wanted: &str) -> Result<(),
 /// The version of a Python, if it is new enough.
 fn version(python: &str) -> Result<String, String> {
     let oldest = format!("{}.{}", OLDEST.0, OLDEST.1);
-    let wanted = format!(
+    let required = format!(
         "Python {oldest} or later is needed for the checks; name it in the \
          environment variable PYTHON if it is not python3"
     );
     let output = Command::new(python)
         .args(["-c", "import sys; print(*sys.version_info[:2], sep='.')"])
         .output()
-        .map_err(|error| format!("{wanted} ({python}: {error})"))?;
+        .map_err(|error| format!("{required} ({python}: {error})"))?;
     let found = String::from_utf8_lossy(&output.stdout).trim().to_owned();
     let parsed = found
         .split_once('.')
         .and_then(|(major, minor)| Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?)));
     match parsed {
         Some(version) if version >= OLDEST => Ok(found),
-        _ => Err(format!("{wanted} ({python} is {found})")),
+        _ => Err(format!("{required} ({python} is {found})")),
     }
 }

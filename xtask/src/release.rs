@@ -1,8 +1,8 @@
-//! What is published, tried before it is: `cargo xtask package`.
+//! Tests of the published packages before publication: `cargo xtask package`.
 //!
-//! Crates, source distribution and wheel are packaged and looked through; then the command is built and installed
-//! from the unpacked crates alone, and the wheel from the unpacked source distribution alone. Both do their main
-//! job in folders where nothing else is.
+//! Crates, source distribution and wheel are packaged and their contents checked; then the command is built and installed
+//! from the unpacked crates alone, and the wheel from the unpacked source distribution alone. Both compute an example
+//! in an empty folder.
 
 use crate::python;
 use crate::shell::{cargo, run, target_folder};
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Crates that are not published.
 const PRIVATE: [&str; 4] = ["fakir-checks", "fakir-manual", "fakir-py", "xtask"];
 
-/// What `cargo package` adds to the files of a crate.
+/// Files that `cargo package` adds to a crate.
 const OF_CARGO: [&str; 4] = [
     "Cargo.toml",
     "Cargo.toml.orig",
@@ -34,7 +34,7 @@ const QUICKLY: [&str; 4] = [
     "profile.release.package.fakir.codegen-units=4",
 ];
 
-/// What every crate and the Python package must have.
+/// Files that every crate and the Python package must contain.
 const LICENCES: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 
 /// The critical force of `fakir init`, which is that of examples/paper-intermediate.toml in the README.
@@ -47,7 +47,7 @@ critical = fakir.System.from_file('case.toml').transition()
 assert abs(critical.force - 4.44813e-3) < 1e-8, critical
 print(critical)";
 
-/// Packages everything, looks through it, builds from it, installs it, and tries it.
+/// Packages everything, checks the contents, builds and installs from it, and runs the result.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let target = target_folder()?;
     let folder = target.join("published");
@@ -59,27 +59,27 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     let clock = Clock(Instant::now());
 
     let crates = pack_crates(cargo, &target, &folder)?;
-    clock.tell("crates packaged");
+    clock.print("crates packaged");
     let root = install_command(cargo, &target, &folder, &crates)?;
-    clock.tell("the command built from the crates and installed");
+    clock.print("the command built from the crates and installed");
     let program = root.join(format!("bin/fakir{}", std::env::consts::EXE_SUFFIX));
     try_command(&program, &tried)?;
     try_explorer(&program, &tried)?;
-    clock.tell("the command and the explorer tried");
+    clock.print("the command and the explorer tried");
 
     let environment = python::environment(python::TESTS)?;
     let wheel = pack_python(&environment, &target, &folder)?;
-    clock.tell("the wheel built from the source distribution");
+    clock.print("the wheel built from the source distribution");
     try_wheel(&wheel, &folder, &tried)?;
-    clock.tell("the wheel tried");
+    clock.print("the wheel tried");
     Ok(())
 }
 
-/// Says how long things took.
+/// Prints the elapsed time.
 struct Clock(Instant);
 
 impl Clock {
-    fn tell(&self, what: &str) {
+    fn print(&self, what: &str) {
         println!("-- {what} ({:.0} s)", self.0.elapsed().as_secs_f64());
     }
 }
@@ -90,7 +90,7 @@ struct Unpacked {
     folder: PathBuf,
 }
 
-/// Packages the crates, unpacks them, and looks through what they hold.
+/// Packages the crates, unpacks them, and checks their contents.
 fn pack_crates(cargo: &OsStr, target: &Path, folder: &Path) -> Result<Vec<Unpacked>, String> {
     let packages = target.join("package");
     if packages.exists() {
@@ -113,14 +113,14 @@ fn pack_crates(cargo: &OsStr, target: &Path, folder: &Path) -> Result<Vec<Unpack
         {
             continue;
         }
-        let held = listed(&archive)?;
+        let contents = listed(&archive)?;
         let stem = archive.file_stem().unwrap_or_default().to_string_lossy();
         let name = stem.rsplit_once('-').map_or(&*stem, |(name, _)| name);
         let own = format!("crates/{name}/");
-        let wanted = LICENCES.iter().copied().chain(["README.md", "Cargo.toml"]);
+        let required = LICENCES.iter().copied().chain(["README.md", "Cargo.toml"]);
         let page = known.iter().filter_map(|file| file.strip_prefix(&own));
         let page = page.filter(|file| file.starts_with("page/"));
-        check_contents(&stem, &held, wanted.chain(page), |file| {
+        check_contents(&stem, &contents, required.chain(page), |file| {
             OF_CARGO.contains(&file) || known.contains(&format!("{own}{file}"))
         })?;
         unpack(&archive, folder)?;
@@ -135,8 +135,7 @@ fn pack_crates(cargo: &OsStr, target: &Path, folder: &Path) -> Result<Vec<Unpack
     Ok(crates)
 }
 
-/// Builds the command from the unpacked crates, which take the place of those of the registry, and installs it.
-/// Answers with where.
+/// Builds the command from the unpacked crates, which replace those of the registry, and installs it. Returns its path.
 fn install_command(
     cargo: &OsStr,
     target: &Path,
@@ -157,7 +156,7 @@ fn install_command(
             folder_name(of).unwrap_or_default()
         )
     });
-    // With the settings of this workspace, so that what is compiled for it serves again.
+    // With the settings of this workspace, so that compiled dependencies are reused.
     let own =
         fs::read_to_string("Cargo.toml").map_err(|error| at(Path::new("Cargo.toml"), &error))?;
     let profiles = own
@@ -184,7 +183,7 @@ fn install_command(
     Ok(root)
 }
 
-/// Takes what is not published out of the list of versions of an unpacked package, and leaves all else as it was tested.
+/// Removes crates that are not published from the lock file of an unpacked package; all other versions remain those that were tested.
 fn without_other_members(folder: &Path) -> Result<(), String> {
     run(Command::new(cargo())
         .args(["metadata", "--format-version", "1", "--quiet"])
@@ -192,18 +191,19 @@ fn without_other_members(folder: &Path) -> Result<(), String> {
         .stdout(Stdio::null()))
 }
 
-/// The main job: a case to start from, and its critical state.
+/// Computes the example: a case file, and its critical state.
 fn try_command(program: &Path, folder: &Path) -> Result<(), String> {
-    let said = |arguments: &[&str]| said(Command::new(program).args(arguments).current_dir(folder));
-    said(&["init", "case.toml"])?;
-    let critical = said(&["transition", "case.toml"])?;
+    let run =
+        |arguments: &[&str]| output_of(Command::new(program).args(arguments).current_dir(folder));
+    run(&["init", "case.toml"])?;
+    let critical = run(&["transition", "case.toml"])?;
     if !critical.contains(FORCE) {
         return Err(format!("the critical force is not {FORCE}:\n{critical}"));
     }
     Ok(())
 }
 
-/// Starts the explorer, asks it for its page, a script of that and a contact, and ends it.
+/// Starts the explorer, requests its page, a script of the page and a contact, and ends it.
 fn try_explorer(program: &Path, folder: &Path) -> Result<(), String> {
     let mut explorer = Command::new(program);
     explorer
@@ -212,21 +212,22 @@ fn try_explorer(program: &Path, folder: &Path) -> Result<(), String> {
         .stderr(Stdio::piped());
     let mut running = Running(explorer.spawn().map_err(|error| at(program, &error))?);
     let mut first = String::new();
-    let told = running
+    let output = running
         .0
         .stderr
         .take()
-        .ok_or("the explorer tells nothing")?;
-    BufReader::new(told)
+        .ok_or("the explorer prints nothing")?;
+    BufReader::new(output)
         .read_line(&mut first)
-        .map_err(|error| format!("the explorer tells nothing: {error}"))?;
+        .map_err(|error| format!("the explorer prints nothing: {error}"))?;
     let address = first.trim().rsplit_once("http://").map(|(_, rest)| rest);
     let address = address.and_then(|rest| rest.trim_end_matches('/').split_once('/'));
-    let (host, token) = address.ok_or_else(|| format!("the explorer tells no address: {first}"))?;
-    for (file, holds) in [("", "<!doctype html"), ("main.js", "import")] {
+    let (host, token) =
+        address.ok_or_else(|| format!("the explorer prints no address: {first}"))?;
+    for (file, content) in [("", "<!doctype html"), ("main.js", "import")] {
         let page = exchange(host, &format!("GET /{token}/{file}"), "", "")?;
-        if !page.to_lowercase().contains(holds) {
-            return Err(format!("the page /{file} has no {holds}:\n{page}"));
+        if !page.to_lowercase().contains(content) {
+            return Err(format!("the page /{file} has no {content}:\n{page}"));
         }
     }
     let question = r#"{"ticket": {"session": "release", "sequence": 1}, "case": {"lens.radius": "2.2 mm",
@@ -241,7 +242,7 @@ fn try_explorer(program: &Path, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// A program that ends with it.
+/// A process that is ended when this is dropped.
 struct Running(Child);
 
 impl Drop for Running {
@@ -252,7 +253,7 @@ impl Drop for Running {
     }
 }
 
-/// What a server on this machine answers, with status 200.
+/// The response of a server on this machine, which must have status 200.
 fn exchange(host: &str, request: &str, headers: &str, body: &str) -> Result<String, String> {
     let length = body.len();
     let whole = format!(
@@ -274,7 +275,7 @@ fn exchange(host: &str, request: &str, headers: &str, body: &str) -> Result<Stri
     }
 }
 
-/// The source distribution, looked through, and the wheel that is built from it alone.
+/// Checks the contents of the source distribution, and builds the wheel from it alone.
 fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, String> {
     let packed = folder.join("python");
     let maturin = |arguments: &[&str], place: &Path| {
@@ -289,11 +290,11 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     maturin(&["sdist"], Path::new("python"))?;
     let source = only(&packed, "gz")?;
     let known = in_repository()?;
-    let held = listed(&source)?;
-    let wanted = LICENCES
+    let contents = listed(&source)?;
+    let required = LICENCES
         .into_iter()
         .chain(["README.md", "PKG-INFO", "pyproject.toml"]);
-    check_contents("the source distribution", &held, wanted, |file| {
+    check_contents("the source distribution", &contents, required, |file| {
         file == "PKG-INFO" || known.contains(file) || known.contains(&format!("python/{file}"))
     })?;
     unpack(&source, folder)?;
@@ -306,12 +307,12 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     maturin(&[&build[..], &QUICKLY, &with].concat(), &unpacked)?;
     let wheel = only(&packed, "whl")?;
     let script = "import sys, zipfile; print('\\n'.join(zipfile.ZipFile(sys.argv[1]).namelist()))";
-    let held = said(Command::new(python).args(["-c", script]).arg(&wheel))?;
-    let held: BTreeSet<String> = held.lines().map(str::to_owned).collect();
+    let contents = output_of(Command::new(python).args(["-c", script]).arg(&wheel))?;
+    let contents: BTreeSet<String> = contents.lines().map(str::to_owned).collect();
     let of_package = |file: &str| file.starts_with("fakir/") || file.contains(".dist-info/");
     check_contents(
         "the wheel",
-        &held,
+        &contents,
         ["fakir/py.typed", "fakir/_fakir.pyi"],
         |file| {
             let added = file.contains(".dist-info/") || file.starts_with("fakir/_fakir.");
@@ -319,7 +320,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
         },
     )?;
     for licence in LICENCES {
-        if !held
+        if !contents
             .iter()
             .any(|file| file.contains(".dist-info/") && file.ends_with(licence))
         {
@@ -329,7 +330,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     Ok(wheel)
 }
 
-/// The wheel in an environment of its own: its command, and an example in Python.
+/// Runs the wheel in a separate environment: its command, and an example in Python.
 fn try_wheel(wheel: &Path, folder: &Path, tried: &Path) -> Result<(), String> {
     let environment = folder.join("environment");
     let system = std::env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
@@ -345,7 +346,7 @@ fn try_wheel(wheel: &Path, folder: &Path, tried: &Path) -> Result<(), String> {
             "--disable-pip-version-check",
         ])
         .arg(wheel))?;
-    said(
+    output_of(
         Command::new(&python)
             .args(["-c", EXAMPLE])
             .current_dir(tried),
@@ -356,20 +357,20 @@ fn try_wheel(wheel: &Path, folder: &Path, tried: &Path) -> Result<(), String> {
     try_command(&program, &from_wheel)
 }
 
-/// Whether an archive holds all that is wanted, and nothing that does not belong there.
+/// Checks that an archive contains all required files, and no other files except those that are accepted.
 fn check_contents<'a>(
     name: &str,
-    held: &BTreeSet<String>,
-    wanted: impl IntoIterator<Item = &'a str>,
+    contents: &BTreeSet<String>,
+    required: impl IntoIterator<Item = &'a str>,
     belongs: impl Fn(&str) -> bool,
 ) -> Result<(), String> {
-    if let Some(missing) = wanted.into_iter().find(|file| !held.contains(*file)) {
+    if let Some(missing) = required.into_iter().find(|file| !contents.contains(*file)) {
         return Err(format!("{name} has no {missing}"));
     }
-    match held.iter().find(|file| !belongs(file)) {
-        Some(stray) => Err(format!("{name} holds {stray}, which does not belong there")),
+    match contents.iter().find(|file| !belongs(file)) {
+        Some(stray) => Err(format!("{name} contains {stray}, which is not expected")),
         None => {
-            println!("   {name}: {} files", held.len());
+            println!("   {name}: {} files", contents.len());
             Ok(())
         }
     }
@@ -377,20 +378,20 @@ fn check_contents<'a>(
 
 /// The files of the repository.
 fn in_repository() -> Result<BTreeSet<String>, String> {
-    let list = said(Command::new("git").args(["ls-files", "--cached"]))?;
+    let list = output_of(Command::new("git").args(["ls-files", "--cached"]))?;
     Ok(list.lines().map(str::to_owned).collect())
 }
 
-/// The files in a compressed archive, without the folder that holds all of them.
+/// The files in a compressed archive, without the folder that contains all of them.
 fn listed(archive: &Path) -> Result<BTreeSet<String>, String> {
-    let list = said(Command::new("tar").arg("-tzf").arg(archive))?;
+    let list = output_of(Command::new("tar").arg("-tzf").arg(archive))?;
     let files = list.lines().filter(|file| !file.ends_with('/'));
     let inside = files.filter_map(|file| file.split_once('/'));
     Ok(inside.map(|(_, file)| file.to_owned()).collect())
 }
 
-/// Unpacks with the present time on every file: cargo packs all of them with the same one, by which it would take
-/// what it once built from others for up to date.
+/// Unpacks with the present time on every file: cargo packs all of them with the same time, and would regard
+/// builds of other versions as up to date.
 fn unpack(archive: &Path, folder: &Path) -> Result<(), String> {
     run(Command::new("tar")
         .arg("-xzmf")
@@ -423,8 +424,8 @@ fn only(folder: &Path, extension: &str) -> Result<PathBuf, String> {
     }
 }
 
-/// What a program prints.
-fn said(command: &mut Command) -> Result<String, String> {
+/// The standard output of a program.
+fn output_of(command: &mut Command) -> Result<String, String> {
     let name = command.get_program().to_string_lossy().into_owned();
     let output = command.stderr(Stdio::inherit()).output();
     let output = output.map_err(|error| format!("{name} could not be started: {error}"))?;
@@ -446,9 +447,9 @@ mod tests {
 
     #[test]
     fn what_is_missing_and_what_is_astray() {
-        let held: BTreeSet<String> = ["LICENSE-MIT", "src/lib.rs"].map(str::to_owned).into();
-        let check = |wanted: &[&'static str], own: &[&str]| {
-            check_contents("it", &held, wanted.iter().copied(), |file| {
+        let contents: BTreeSet<String> = ["LICENSE-MIT", "src/lib.rs"].map(str::to_owned).into();
+        let check = |required: &[&'static str], own: &[&str]| {
+            check_contents("it", &contents, required.iter().copied(), |file| {
                 own.contains(&file)
             })
         };

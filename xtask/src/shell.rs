@@ -1,4 +1,4 @@
-//! Other programs, and the folder of what is compiled.
+//! Other programs, and the target folder.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
@@ -30,5 +30,5 @@ pub(crate) fn cargo() -> OsString {
 pub(crate) fn target_folder() -> Result<PathBuf, String> {
     let executable = std::env::current_exe().map_err(|error| format!("own path: {error}"))?;
     let target = executable.ancestors().nth(2).map(Path::to_owned);
-    target.ok_or_else(|| "the target folder is not known".to_owned())
+    target.ok_or_else(|| "the target folder was not found".to_owned())
 }

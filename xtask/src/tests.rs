@@ -1,6 +1,6 @@
 //! The tests of all crates, in two tiers: those that are not ignored, and those that are.
 //!
-//! All are compiled by one call of cargo, in the profile of the command, and run one program after the other.
+//! All are compiled by one call of cargo, in the profile of the command. The test programs run one after another.
 
 use crate::passed;
 use crate::shell::{run, target_folder};
@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Packages that are not compiled with the others: two have dependencies that the first tier does not need; the extension
-/// module has no tests, and maturin compiles it in an environment of its own, so that compiling it here too would compile
+/// module has no tests, and maturin compiles it in a separate environment, so that compiling it here too would compile
 /// pyo3 again at every run.
 const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
 
-/// What is tested with heavy dependencies: options of cargo.
+/// Options of cargo for tests with heavy dependencies.
 const HEAVY_TESTS: [&[&str]; 2] = [
     &["--package", "fakir-checks", "--tests"],
     &[
@@ -31,14 +31,14 @@ const READ: [&str; 3] = ["crates", "checks", "examples"];
 
 /// A compiled program of tests.
 pub(crate) struct Program {
-    /// The package, and what of it is tested: `fakir it`.
+    /// The package and the target: `fakir it`.
     pub(crate) name: String,
     pub(crate) executable: PathBuf,
-    /// The folder of its package, in which it is run.
+    /// The folder of its package, in which it runs.
     pub(crate) folder: PathBuf,
 }
 
-/// Compiles the tests and the program `fakir`; gives the programs of tests.
+/// Compiles the tests and the program `fakir`; returns the test programs.
 pub(crate) fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, String> {
     let output = Command::new(cargo)
         .args(["test", "--release", "--locked", "--no-run"])
@@ -59,7 +59,7 @@ pub(crate) fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, Str
     Ok(programs)
 }
 
-/// What a message of cargo says of a program of tests, if it is about one.
+/// The test program of a message of cargo, if it is about one.
 fn program(message: &str) -> Option<Program> {
     let text = |name: &str| {
         let start = message.find(&format!("\"{name}\":\""))? + name.len() + 4;
@@ -106,7 +106,7 @@ pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     Ok(())
 }
 
-/// Runs programs of tests; those that passed before and have not changed since are left out.
+/// Runs test programs, except those that passed before and have not changed since.
 fn run_tests(programs: &[Program], options: &[&str], tier: &str) -> Result<(), String> {
     let command = command()?;
     let data = passed::data_files();
@@ -145,13 +145,13 @@ fn command() -> Result<PathBuf, String> {
     Ok(target_folder()?.join(name))
 }
 
-/// Compiles the tests and the command, if that has not been done; gives the command.
+/// Compiles the tests and the command, if this has not been done; returns the path of the command.
 pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
     build(cargo, &light())?;
     command()
 }
 
-/// Compiles an example of the crate `fakir`. Without options of its own it has the features of the tests, so that what was compiled for them is used again.
+/// Compiles an example of the crate `fakir`. Without additional options it has the features of the tests, so that compiled dependencies are reused.
 pub(crate) fn built_example(
     cargo: &OsStr,
     name: &str,

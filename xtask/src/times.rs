@@ -5,7 +5,7 @@ use crate::{python, tests};
 use std::ffi::OsStr;
 use std::process::Command;
 
-/// Prints every test with its processor time, each run in a process of its own.
+/// Prints every test with its processor time; each runs in a separate process.
 pub(crate) fn print(cargo: &OsStr) -> Result<(), String> {
     let python = python::environment(python::TESTS)?;
     let programs = tests::build(cargo, &tests::light())?;

@@ -15,7 +15,7 @@ pub enum AnyCase {
     Pillars(Box<Case>),
     /// Pillars with rounded tops.
     Asperities(Box<AsperityCase>),
-    /// A height map, as the case file that describes it: it is drawn when it is solved, on a grid that is wide enough.
+    /// A height map, as the case file that describes it: it is generated when it is solved, on a sufficiently wide grid.
     HeightMap(Box<CaseFile>),
     /// A flat surface.
     Flat(Box<FlatCase>),
@@ -43,10 +43,10 @@ impl AnyCase {
 }
 
 impl CaseFile {
-    /// The case, if all of these questions have an answer for it.
+    /// The case, if all of these questions are supported for it.
     ///
     /// # Errors
-    /// [`CaseError`] that says why one has none, and what to do in its place; or what is wrong with the case.
+    /// [`CaseError`] with the reason and an alternative, or for an invalid case.
     pub fn any_case(&self, questions: &[Question]) -> Result<AnyCase, CaseError> {
         self.check_surface(questions)?;
         match self.surface_kind() {
@@ -57,10 +57,10 @@ impl CaseFile {
         }
     }
 
-    /// Refuses questions that have no answer for the kind of surface, whatever else the case is.
+    /// Refuses questions that are not supported for the kind of surface, for any case of the kind.
     ///
     /// # Errors
-    /// [`CaseError`] that says why one has none, and what to do in its place.
+    /// [`CaseError`] with the reason and an alternative.
     pub fn check_surface(&self, questions: &[Question]) -> Result<(), CaseError> {
         let Some(solver) = self.surface_kind().solver() else {
             return Ok(());

@@ -41,7 +41,7 @@ pub(crate) struct Columns<const N: usize> {
     /// Number of required columns, from the first.
     pub(crate) required: usize,
     /// Description in messages: `"a table of pillars has ..."`.
-    pub(crate) told: &'static str,
+    pub(crate) accepted: &'static str,
 }
 
 /// A table that has been read.
@@ -120,7 +120,7 @@ const IGNORED: [&str; 44] = [
     "group",
 ];
 
-/// How a cell gives the length of its column.
+/// Quantity in a cell, from which the length of the column is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Form {
     /// The length.
@@ -139,7 +139,7 @@ struct Meaning {
     unit: Option<String>,
 }
 
-/// Where a column is, and how its cells are read.
+/// Place of a column, and the interpretation of its cells.
 #[derive(Debug, Clone)]
 struct Place {
     place: usize,
@@ -275,7 +275,7 @@ impl<const N: usize> Columns<N> {
             });
             let mut found = found.filter(|(_, (known, _, _))| *known >= self.required);
             if let Some((index, (_, of_names, headings))) = found.next() {
-                // The names may be separated otherwise than the numbers below.
+                // The names may have another separator than the numbers below.
                 let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
                 let mut fitting = separators
                     .filter(|separator| cells(lines[first], *separator).len() == headings.len());
@@ -285,7 +285,7 @@ impl<const N: usize> Columns<N> {
         (first, separator, headings)
     }
 
-    /// What a heading names.
+    /// Column named by a heading.
     fn meaning(&self, heading: &str) -> Option<Meaning> {
         let exact = self.names.iter().position(|name| *name == heading);
         if let Some(column) = exact {
@@ -343,7 +343,7 @@ impl<const N: usize> Columns<N> {
         let Self {
             names,
             required,
-            told,
+            accepted,
         } = self;
         // In tables of ImageJ, width and height are those of a box around each particle.
         let has_box = headings.iter().any(|heading| heading == "BX");
@@ -362,7 +362,7 @@ impl<const N: usize> Columns<N> {
                 if IGNORED.contains(&plain) || has_box && ["width", "height"].contains(&plain) {
                     continue;
                 }
-                return Err(format!("there is no column \"{heading}\": {told}"));
+                return Err(format!("there is no column \"{heading}\": {accepted}"));
             };
             let of_same =
                 |other: &&Meaning| other.column == meaning.column && other.form == Form::Length;
@@ -390,7 +390,7 @@ impl<const N: usize> Columns<N> {
             };
             if length_unit(length).is_none() {
                 return Err(format!(
-                    "column \"{heading}\" is in \"{unit}\", which is not known: give a length in {}",
+                    "column \"{heading}\" is in the unknown unit \"{unit}\": give a length in {}",
                     Dimension::Length.unit_list()
                 ));
             }
@@ -405,7 +405,7 @@ impl<const N: usize> Columns<N> {
         }
         for (column, place) in names.iter().zip(&places).take(*required) {
             if place.is_none() {
-                return Err(format!("the column {column} is missing: {told}"));
+                return Err(format!("the column {column} is missing: {accepted}"));
             }
         }
         Ok(places)

@@ -253,7 +253,7 @@ pub(crate) fn unknown_key(place: &Place, path: &str) -> CaseError {
     CaseError::at(place, "unknown key").key(path).accepted(help)
 }
 
-/// Advice to use another key. In a file, a key without its table lacks the heading above it.
+/// Advice to use another key. In a file, a key without its table is one whose heading is missing.
 fn did_you_mean(place: &Place, path: &str, meant: &str) -> String {
     match meant.rsplit_once('.') {
         Some((table, name)) if name == path && !place.is_override() && Key::at(meant).is_some() => {

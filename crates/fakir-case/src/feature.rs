@@ -1,18 +1,18 @@
-//! What a problem can have that not every solver knows, in the words and keys of case files.
+//! Features of a problem that some solvers do not support, by the names and keys of case files.
 
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::parts::Parts;
 use fakir::problem::{Feature, LensForm, PillarCompliance, Unsupported};
 
-/// What the table calls a feature.
+/// Name of a feature in the table.
 pub(crate) fn named(feature: Feature) -> &'static str {
     match feature {
         Feature::Lens(LensForm::Profile) => "lens with a table of heights",
         Feature::Lens(LensForm::Punch) => "flat punch",
         Feature::Lens(form) => form.name(),
         Feature::TiltedPlate => "tilted plate",
-        Feature::OtherArrangement => "other arrangement than the endless hexagonal lattice",
+        Feature::OtherArrangement => "other arrangement than the infinite hexagonal lattice",
         Feature::SeveralDiameters => "pillars of several diameters",
         Feature::SeveralColumns => "columns of several heights",
         Feature::Layer => "lens or substrate of finite thickness",
@@ -23,7 +23,7 @@ pub(crate) fn named(feature: Feature) -> &'static str {
     }
 }
 
-/// The keys that can be changed where there is no answer, each once.
+/// The keys that can be changed if a combination is not supported, each once.
 pub(crate) fn keys_of(unsupported: &Unsupported) -> impl Iterator<Item = Key> {
     let features = unsupported.with.iter().copied().flatten();
     let mut keys: Vec<Key> = Vec::new();
@@ -53,12 +53,12 @@ fn keys_with(feature: Feature) -> &'static [Key] {
         Feature::ElasticPillars => &[Key::PillarCompliance],
         Feature::IgnoredFloor => &[Key::FloorContact],
         Feature::AdhesiveTops => &[Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion],
-        Feature::AdhesiveFloor => &[Key::FloorSticks],
+        Feature::AdhesiveFloor => &[Key::AdhesiveFloor],
     }
 }
 
 impl CaseFile {
-    /// What a case has that not every solver knows, by its keys.
+    /// Features of a case that some solvers do not support, by its keys.
     pub(crate) fn features(&self, parts: &Parts) -> Vec<Feature> {
         let pattern = &parts.pattern;
         let is_of_layers = |key: &Key| key.is_of_layers();
@@ -74,7 +74,7 @@ impl CaseFile {
                     || self.entry(Key::RecedingWorkOfAdhesion).is_some()
             }
             Feature::AdhesiveFloor => pattern.adhesion.floor.0,
-            // These are looked at in a system, or have a meaning of their own on other surfaces.
+            // These are determined from a system, or have a different meaning on other surfaces.
             Feature::OtherArrangement
             | Feature::SeveralDiameters
             | Feature::SeveralColumns

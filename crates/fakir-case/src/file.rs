@@ -263,13 +263,13 @@ impl CaseFile {
     pub fn case(&self) -> Result<Case, CaseError> {
         self.refuse_surface(
             "this needs a [pattern], and the case has a [surface]",
-            "a [surface] is solved by elements: press, transition, approach, verify and sweep take one",
+            "a [surface] is solved with boundary elements: use press, transition, approach, verify or sweep",
         )?;
         let parts = self.parts(Part::OF_PILLARS)?;
         if self.is_rounded() {
             return Err(self
                 .problem(Key::TopRadius, "this is computed for flat pillar tops only")
-                .accepted("leave it out; rounded tops are known to `press`, `approach`, `sweep` and `design --free heights`"));
+                .accepted("leave it out; rounded tops are supported by `press`, `approach`, `sweep` and `design --free heights`"));
         }
         if parts.shape.form == LensForm::Punch {
             self.answers(
@@ -294,7 +294,7 @@ impl CaseFile {
         let (shape, profile) = self.lens_shape(&parts)?;
         let (method, adhesion) = (parts.method.method(), self.adhesion(&parts));
         self.check_adhesion(adhesion, method)?;
-        self.check_floor_that_sticks(adhesion, parts.pattern.floor)?;
+        self.check_adhesive_floor(adhesion, parts.pattern.floor)?;
         self.check_bases(&parts)?;
         let system = parts
             .system(shape, pattern, adhesion)
@@ -312,10 +312,10 @@ impl CaseFile {
         })
     }
 
-    /// The [case](Self::case), if all of these questions have an answer for it.
+    /// The [case](Self::case), if all of these questions are supported for it.
     ///
     /// # Errors
-    /// [`CaseError`] that says why one has none, and what to do in its place; and as [`case`](Self::case).
+    /// [`CaseError`] with the reason and an alternative; and as [`case`](Self::case).
     pub fn case_for(&self, questions: &[Question]) -> Result<Case, CaseError> {
         let case = self.case()?;
         let features = Feature::of(&case.system);
@@ -441,13 +441,13 @@ impl CaseFile {
         let error = match self.entry(work) {
             Some(_) => self.problem(
                 work,
-                "nothing sticks, and a cycle is of tops that do".to_owned(),
+                "a cycle needs adhesive tops, and the work of adhesion is 0".to_owned(),
             ),
             None => self.missing(work),
         };
         error.accepted(
-            "a cycle has a work of adhesion greater than 0, as \"50 mJ/m2\"; without adhesion the lens is \
-             withdrawn the way it came",
+            "a cycle has a work of adhesion greater than 0, as \"50 mJ/m2\"; without adhesion, unloading \
+             follows the curve of loading",
         )
     }
 
@@ -465,18 +465,14 @@ impl CaseFile {
     }
 
     /// Refuses an adhesive floor without adhesive tops, or without floor contact.
-    fn check_floor_that_sticks(
-        &self,
-        adhesion: Adhesion,
-        model: FloorModel,
-    ) -> Result<(), CaseError> {
-        let key = Key::FloorSticks;
+    fn check_adhesive_floor(&self, adhesion: Adhesion, model: FloorModel) -> Result<(), CaseError> {
+        let key = Key::AdhesiveFloor;
         if !adhesion.floor {
             return Ok(());
         }
         if adhesion.is_none() {
             return Err(self
-                .problem(key, "nothing sticks without a work of adhesion")
+                .problem(key, "an adhesive floor needs a work of adhesion")
                 .accepted(format!("give {} too, as \"10 mJ/m2\"", Key::WorkOfAdhesion)));
         }
         if model == FloorModel::Ignored {
@@ -484,14 +480,11 @@ impl CaseFile {
                 .problem(
                     key,
                     format!(
-                        "a floor that the lens goes through does not stick: {} = false",
+                        "a floor whose contact is ignored cannot be adhesive: {} = false",
                         Key::FloorContact
                     ),
                 )
-                .accepted(format!(
-                    "leave it out, or let {} be true",
-                    Key::FloorContact
-                )));
+                .accepted(format!("leave it out, or set {} = true", Key::FloorContact)));
         }
         Ok(())
     }
@@ -710,7 +703,7 @@ impl CaseFile {
             return self
                 .problem(
                     Key::LensShape,
-                    format!("a {shape} touches endlessly many pillars of a lattice without end"),
+                    format!("a {shape} touches infinitely many pillars of an infinite lattice"),
                 )
                 .accepted(format!(
                     "give {}, or a list of pillars as {}",

@@ -43,7 +43,7 @@ pub(crate) fn png(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
     let (columns, rows) = (info.width as usize, info.height as usize);
     if info.color_type != png::ColorType::Grayscale || info.bit_depth != png::BitDepth::Sixteen {
         let problem = format!(
-            "it has {:?} pixels of {} bits: {WANTED}",
+            "it has {:?} pixels of {} bits: {REQUIRED_FORMAT}",
             info.color_type, info.bit_depth as u8
         );
         return Err(wrong(source, problem));

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `.npy` | an array of two dimensions, rows and columns, of floating-point numbers (4 or 8 bytes) or integers, in C or Fortran order |
 //! | `.npz` | one such array of an archive: the one named, or the only one |
-//! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is understood, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
+//! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is read, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
 //! | any other | three columns x, y, z of the points of a grid, in any order |
 //! | SDF, X3P | the formats of ISO 25178, parts 71 and 72 |
 //! | PNG, TIFF | a grey image of 16 bits; a TIFF image of floating-point numbers |
@@ -125,7 +125,7 @@ pub fn read_scaled_map(
             // At its end the checksum of the archive is verified.
             match entry.read(&mut [0]) {
                 Ok(0) => place(&file, table, scale),
-                Ok(_) => Err(source.damaged("it goes on after its last element")),
+                Ok(_) => Err(source.damaged("it contains data after its last element")),
                 Err(error) => Err(source.damaged(&error)),
             }
         }

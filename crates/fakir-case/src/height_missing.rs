@@ -3,8 +3,8 @@
 /// Relative residual at which the interpolation ends.
 const TOLERANCE: f64 = 1e-10;
 
-/// Fills the missing heights (NaN) of a map of so many columns: the harmonic function that continues the heights around each hole, with no
-/// slope across the borders of the map. At least one height must be there.
+/// Fills the missing heights (NaN) of a map with a number of columns: the harmonic function that continues the heights around each hole,
+/// with zero slope across the borders of the map. At least one height must be present.
 pub(crate) fn fill(heights: &mut [f64], columns: usize) {
     let missing: Vec<usize> = (0..heights.len())
         .filter(|place| heights[*place].is_nan())
@@ -118,7 +118,7 @@ mod tests {
                 assert!((filled - whole).abs() < 1e-8, "{filled} {whole}");
             }
         }
-        // At a border there is no slope across it.
+        // The slope across a border is zero.
         let mut edge = [1.0, 2.0, f64::NAN];
         fill(&mut edge, 3);
         assert!((edge[2] - 2.0).abs() < 1e-12);

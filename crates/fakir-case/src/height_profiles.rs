@@ -64,7 +64,7 @@ pub(crate) fn sdf(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
     }
     if values.len() != columns * rows {
         let problem = format!(
-            "its header says {columns} by {rows} points, and it has {} heights",
+            "its header states {columns} by {rows} points, and it has {} heights",
             values.len()
         );
         return Err(wrong(source, problem));
@@ -163,7 +163,7 @@ impl Stored {
     }
 }
 
-/// What the description of an X3P file says.
+/// Content of the description of an X3P file.
 #[derive(Default)]
 struct Description {
     /// Texts of elements, by the names of the elements around them.
@@ -281,7 +281,7 @@ pub(crate) fn x3p(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapE
     };
     if values.len() != columns * rows {
         let problem = format!(
-            "its main.xml says {columns} by {rows} points, and it has {} heights",
+            "its main.xml states {columns} by {rows} points, and it has {} heights",
             values.len()
         );
         return Err(wrong(source, problem));

@@ -82,7 +82,7 @@ pub enum HeightMapError {
     },
     /// Commas that may be separators or decimal commas.
     #[error(
-        "{file}, line {line}: the commas may separate numbers, or stand for decimal points: write \".\" as the decimal point, or separate \
+        "{file}, line {line}: the commas may separate numbers, or be decimal commas: write \".\" as the decimal point, or separate \
          the numbers by tabs or semicolons alone"
     )]
     AmbiguousComma {
@@ -132,7 +132,7 @@ pub enum HeightMapError {
     },
     /// Values of another dimension than a length.
     #[error(
-        "{file} has values in {unit:?}, which is no unit of length: give what a value of 1 stands for as a height"
+        "{file} has values in {unit:?}, which is not a unit of length: give the height of a value of 1"
     )]
     NotHeights {
         /// The file.
@@ -157,7 +157,7 @@ pub enum HeightMapError {
     },
     /// The size of an ESRI ASCII grid differs from its header.
     #[error(
-        "{file}: {found_columns} columns and {found_rows} rows, but its header says {columns} and {rows}"
+        "{file}: {found_columns} columns and {found_rows} rows, but its header states {columns} and {rows}"
     )]
     HeaderSize {
         /// The file.

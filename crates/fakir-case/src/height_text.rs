@@ -299,7 +299,7 @@ fn grid_of_points(values: &[f64]) -> Option<Table> {
     let [along_x, along_y] = [0, 1].map(|axis| Levels::of(values.iter().skip(axis).step_by(3)));
     let (along_x, along_y) = (along_x?, along_y?);
     let (columns, rows) = (along_x.count, along_y.count);
-    // A long list may lack points, up to half of the grid; three short columns are rather a map.
+    // Points of a long list may be missing, up to half of the grid; three short columns are rather a map.
     let cells = columns.checked_mul(rows)?;
     let is_most = count >= FEWEST_ROWS_OF_A_LIST && cells <= 2 * count;
     if cells != count && !is_most {

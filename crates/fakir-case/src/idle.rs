@@ -44,7 +44,7 @@ pub(crate) static IDLE: [Idle; 8] = [
     Idle {
         key: Key::FloorContact,
         holds: |parts| parts.pattern.top_radius.is_finite(),
-        reason: "floor contact is not computed under rounded tops: a warning says where the floor may be reached",
+        reason: "floor contact is not computed under rounded tops: a warning is printed if the floor may be reached",
     },
     Idle {
         key: Key::PatternOffsetAngle,

@@ -1,6 +1,6 @@
 //! Reads files of limited size: neither reading nor memory exceeds the limit for the kind of file.
 //!
-//! The path may be anything: an endless device, or a wrong file.
+//! The path may be anything, such as a device without an end, or a wrong file.
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};

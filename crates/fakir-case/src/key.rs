@@ -239,7 +239,7 @@ impl Key {
         self.words() == TRUE_OR_FALSE
     }
 
-    /// Smallest and largest valid number, in SI units, as far as they do not depend on other keys.
+    /// Smallest and largest valid number, in SI units, except for bounds that depend on other keys.
     #[must_use]
     pub fn bounds(self) -> (Bound<f64>, Bound<f64>) {
         match self.row().field {

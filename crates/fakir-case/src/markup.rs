@@ -1,4 +1,4 @@
-//! Reads XML as far as files of measurements need it: elements, their attributes and texts, in their order. Namespaces are dropped.
+//! Reads the part of XML that files of measurements use: elements, their attributes and texts, in their order. Namespaces are dropped.
 
 /// A part of a document.
 #[derive(Debug, Clone, PartialEq)]

@@ -315,7 +315,7 @@ fn tuple(value: &str) -> Result<Vec<u64>, String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::float_cmp)] // files hold these numbers exactly
+    #![allow(clippy::float_cmp)] // files contain these numbers exactly
 
     use super::*;
 
@@ -427,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_headers_say_what_is_accepted() {
+    fn errors_of_headers_state_what_is_accepted() {
         let whole = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 4), }";
         for (from, to, expected) in [
             ("}", "", "is not a dictionary in braces"),

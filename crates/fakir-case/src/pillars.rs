@@ -8,7 +8,7 @@ use std::path::Path;
 const COLUMNS: Columns<4> = Columns {
     names: ["x_m", "y_m", "height_m", "diameter_m"],
     required: 2,
-    told: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m (or an area), in any unit of length: x_um or X [um]",
+    accepted: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m (or an area), in any unit of length: x_um or X [um]",
 };
 
 /// Columns of heights and diameters in a table of pillars.
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_state_their_line() {
         let wrong = |text: &str| read(text).unwrap_err();
         assert!(
             wrong("").contains("line 1: the column x_m is missing"),

@@ -7,7 +7,7 @@ use std::path::Path;
 const COLUMNS: Columns<2> = Columns {
     names: ["radius_m", "height_m"],
     required: 2,
-    told: "a profile of a lens has radius_m and height_m",
+    accepted: "a profile of a lens has radius_m and height_m",
 };
 
 /// Reads a profile of a lens: values separated by commas under a line with the names of the columns, `radius_m` and `height_m` (m), from the axis
@@ -44,11 +44,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_state_their_line() {
         let wrong = |text: &str| read(text).unwrap_err();
-        let begins = |text: &str, told: &str| {
+        let begins = |text: &str, accepted: &str| {
             let wrong = wrong(text);
-            assert!(wrong.contains(told), "{wrong}");
+            assert!(wrong.contains(accepted), "{wrong}");
         };
         begins(
             "radius_m\n0\n",

@@ -3,7 +3,7 @@
 use crate::archive::member;
 use crate::markup::{Part, attribute, parts};
 
-/// The table of an XLSX file as text: a line for each row of the sheet, so that numbers of lines are those of rows.
+/// The table of an XLSX file as text: one line for each row of the sheet, so that line numbers are row numbers.
 ///
 /// # Errors
 /// A description of the error: a damaged archive, a part that exceeds `most` bytes, or a file without any cells.

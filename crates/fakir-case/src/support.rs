@@ -1,4 +1,4 @@
-//! What a case can be asked, in the words of case files: the table of [`fakir::problem::Question`] with the keys that are in the way.
+//! Questions that a case supports, by the names of case files: the table of [`fakir::problem::Question`] with the keys that prevent an answer.
 
 use crate::error::CaseError;
 use crate::feature::{keys_of, named};
@@ -21,7 +21,7 @@ pub enum SurfaceKind {
 }
 
 impl SurfaceKind {
-    /// What solves it; none of pillars with flat tops, of which the method decides.
+    /// The solver; none for pillars with flat tops, for which it depends on the method.
     pub(crate) fn solver(self) -> Option<Solver> {
         match self {
             Self::Pillars => None,
@@ -33,7 +33,7 @@ impl SurfaceKind {
 }
 
 impl CaseFile {
-    /// What kind of surface the case has.
+    /// Kind of surface of the case.
     #[must_use]
     pub fn surface_kind(&self) -> SurfaceKind {
         if self.is_flat() {
@@ -47,7 +47,7 @@ impl CaseFile {
         }
     }
 
-    /// Refuses what has no answer by this solver where a case has these features.
+    /// Refuses a question that this solver does not support for a case with these features.
     pub(crate) fn answers(
         &self,
         question: Question,
@@ -73,7 +73,7 @@ impl CaseFile {
             keys.find(|key| has_layer && key.is_of_layers())
         };
         let in_the_way = keys_of(&unsupported).find(given).or_else(of_layers);
-        // What a method does not do is said with its name.
+        // The message contains the name of the method.
         let why = match method_name(solver) {
             Some(method) if solver != Solver::Spectral => {
                 format!("the method \"{method}\": {why}")
@@ -87,7 +87,7 @@ impl CaseFile {
     }
 }
 
-/// What the table calls a solver.
+/// Name of a solver in the table.
 fn heading(solver: Solver) -> String {
     let other = match solver {
         Solver::Asperities => "rounded tops",
@@ -108,7 +108,7 @@ fn method_name(solver: Solver) -> Option<&'static str> {
     }
 }
 
-/// What the table calls a question: the command or the option, where there is one.
+/// Name of a question in the table: the command or the option, if there is one.
 fn asked(question: Question) -> String {
     match question {
         Question::Gradient => "`--gradient`".to_owned(),
@@ -121,7 +121,7 @@ fn asked(question: Question) -> String {
     }
 }
 
-/// Whether a surface that this solver is for can have these features at all, together.
+/// Whether a surface of this solver can have all of these features.
 fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let has = |feature| features.contains(&feature);
     let of_pillars = [
@@ -135,12 +135,12 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let is_lens = |feature: &&Feature| matches!(feature, Feature::Lens(_));
     let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
     let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
-    // The floor under rounded tops is left out.
+    // The floor under rounded tops is neglected.
     let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
     features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !ignored
 }
 
-/// These features and what goes with them: a tilted plate is a plate, and a floor sticks only where tops do.
+/// These features and those that they imply: a tilted plate is a plate, and an adhesive floor has adhesive tops.
 fn whole(features: &[Feature]) -> Vec<Feature> {
     let mut all = features.to_vec();
     for (one, other) in [
@@ -154,7 +154,7 @@ fn whole(features: &[Feature]) -> Vec<Feature> {
     all
 }
 
-/// The reasons of a table, by their numbers.
+/// Numbered reasons of a table.
 #[derive(Default)]
 struct Notes(Vec<Unsupported>);
 
@@ -167,7 +167,7 @@ impl Notes {
         })
     }
 
-    /// What a solver answers where a case has these features: of all that it answers without them.
+    /// Questions that a solver supports for a case with these features, among all that it supports without them.
     fn cell(&mut self, solver: Solver, features: &[Feature]) -> String {
         if !can_have(solver, features) {
             return String::new();
@@ -206,8 +206,8 @@ impl Notes {
     }
 }
 
-/// What is answered and what is not, as tables in Markdown, and the reasons where there is no answer: every question by every solver, and every feature, alone and
-/// with each other, of a case.
+/// Tables in Markdown of what is supported, with the reasons for what is not: every question with every solver, and every feature of a case, alone and with each
+/// other feature.
 #[must_use]
 pub fn support() -> String {
     let headings = Solver::ALL.map(heading).join(" | ");
@@ -229,7 +229,7 @@ pub fn support() -> String {
     for (place, one) in Feature::ALL.into_iter().enumerate() {
         for other in &Feature::ALL[place + 1..] {
             let both = [one, *other];
-            // A floor sticks only where tops do.
+            // An adhesive floor requires adhesive tops.
             let implied = both == [Feature::AdhesiveTops, Feature::AdhesiveFloor];
             if implied || !Solver::ALL.into_iter().any(|solver| is_news(solver, both)) {
                 continue;
@@ -255,7 +255,7 @@ pub fn support() -> String {
     text
 }
 
-/// Whether a solver refuses two features together in a question that it answers with each of them.
+/// Whether a solver refuses two features together in a question that it supports with each of them.
 fn is_news(solver: Solver, both: [Feature; 2]) -> bool {
     let refuses = |question: &Question, features: &[Feature]| {
         question.check(solver, &whole(features)).is_err()
@@ -270,7 +270,7 @@ fn is_news(solver: Solver, both: [Feature; 2]) -> bool {
 mod tests {
     use super::*;
 
-    /// Every reason ends in something to do, and pillars with flat tops can be asked everything by the spectral method.
+    /// Every reason names an alternative, and the spectral method supports all questions for pillars with flat tops.
     #[test]
     fn reasons_are_given_with_what_to_do() {
         for question in Question::ALL {

@@ -214,12 +214,12 @@ impl CaseFile {
             (
                 "floor",
                 "the floor of a [surface] is always in contact where it is touched",
-                "leave [floor] out: surface.floor says what is floor",
+                "leave [floor] out: surface.floor defines the floor",
             ),
             (
                 "method",
                 "a [surface] has no choice of methods",
-                "leave [method] out: surfaces are solved by elements, on [surface.grid]",
+                "leave [method] out: surfaces are solved with boundary elements, on [surface.grid]",
             ),
         ];
         for (table, problem, accepted) in tables {
@@ -548,7 +548,7 @@ impl CaseFile {
                 minimum_distance,
             } => {
                 let problem = format!(
-                    "only {placed} of {wanted} pillars found a place {} from the others",
+                    "only {placed} of {wanted} pillars could be placed at least {} from the others",
                     shown(*minimum_distance)
                 );
                 self.problem(Key::PatternFraction, problem)

@@ -120,7 +120,7 @@ keys! {
                 .positive().otherwise("it is a half-space").of(Quantity::LensThickness)
                 .unwritten(|p| p.lens_layer.thickness.is_nan());
         LensBase = "lens.base" is
-            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.lens_layer.base)
+            word("base to which its back is bonded: rigid or elastic; or frictionless: a rigid base on which it can slide", |p| &mut p.lens_layer.base)
                 .label("base of the lens").optional()
                 .unwritten(|p| p.lens_layer.base == BaseForm::Rigid);
         LensBaseYoungModulus = "lens.base_young_modulus" is
@@ -143,7 +143,7 @@ keys! {
                 .positive().otherwise("it is a half-space").of(Quantity::SubstrateThickness)
                 .unwritten(|p| p.substrate_layer.thickness.is_nan());
         SubstrateBase = "substrate.base" is
-            word("what its back is bonded to: rigid or elastic; or frictionless: it lies on something rigid", |p| &mut p.substrate_layer.base)
+            word("base to which its back is bonded: rigid or elastic; or frictionless: a rigid base on which it can slide", |p| &mut p.substrate_layer.base)
                 .label("base of the substrate").optional()
                 .unwritten(|p| p.substrate_layer.base == BaseForm::Rigid);
         SubstrateBaseYoungModulus = "substrate.base_young_modulus" is
@@ -216,7 +216,7 @@ keys! {
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES)
                 .unwritten(|p| p.pattern.arrangement.is_plain());
         TopRadius = "pattern.top_radius" is
-            length("radius of curvature of rounded pillar tops, which then need no diameter; fakir press and fakir design --free heights know them", |p| &mut p.pattern.top_radius)
+            length("radius of curvature of rounded pillar tops, which then need no diameter; supported by fakir press, approach, sweep and design --free heights", |p| &mut p.pattern.top_radius)
                 .label("top radius").positive().otherwise("tops are flat")
                 .unwritten(|_| true);
         PillarDiameter = "pattern.pillar.diameter" is
@@ -236,7 +236,7 @@ keys! {
     }
     Adhesion {
         WorkOfAdhesion = "adhesion.work" is
-            energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars only the method spectral has it", |p| &mut p.pattern.adhesion.work)
+            energy_per_area("work of adhesion between lens and pillar tops, or a flat surface; on pillars, with the method spectral only", |p| &mut p.pattern.adhesion.work)
                 .label("work of adhesion").symbol("w").usual(1e-3, 0.5)
                 .range(Range::Between(Included(0.0), Unbounded)).optional().of(Quantity::WorkOfAdhesion)
                 .unwritten(|p| p.pattern.adhesion.is_none());
@@ -248,8 +248,8 @@ keys! {
                 .unwritten(|p| !p.pattern.adhesion.recedes);
     }
     PillarPattern {
-        FloorSticks = "adhesion.floor" is
-            word("true: the floor sticks too, and the lens jumps onto it where it first touches it", |p| &mut p.pattern.adhesion.floor)
+        AdhesiveFloor = "adhesion.floor" is
+            word("true: the floor is adhesive too; the lens jumps onto it at first contact", |p| &mut p.pattern.adhesion.floor)
                 .label("adhesive floor").optional()
                 .unwritten(|p| !p.pattern.adhesion.floor.0);
     }
@@ -479,7 +479,7 @@ pub(crate) enum Range {
 }
 
 impl Range {
-    /// Smallest and largest number, as far as they do not depend on other keys.
+    /// Smallest and largest number, except for bounds that depend on other keys.
     pub(crate) fn bounds(self) -> (Bound<f64>, Bound<f64>) {
         match self {
             Self::Finite | Self::NotZero => (Unbounded, Unbounded),
@@ -493,7 +493,7 @@ impl Range {
         }
     }
 
-    /// Whether a number is in the range, as far as that does not depend on other keys.
+    /// Whether a number is in the range, except for bounds that depend on other keys.
     pub(crate) fn allows(self, value: f64) -> bool {
         let special = match self {
             Self::NotZero => value != 0.0,

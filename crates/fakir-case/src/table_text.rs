@@ -11,7 +11,7 @@ use std::path::Path;
 /// spreadsheet (`.xlsx`) with a row of numbers, with a line for each of its rows and tabs between cells.
 ///
 /// # Errors
-/// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with what converts them.
+/// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with the name of a program that converts them.
 pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = read(path, most)?;
     if bytes.starts_with(b"\x1f\x8b") {

@@ -198,7 +198,7 @@ pub(crate) enum Command {
   fakir design case.toml --free pitch --critical-force 1mN \\
       --tolerance pattern.pillar.height=3% --tolerance substrate.young_modulus=10%
   fakir design case.toml --free pitch --floor-share 20% --at-force 1mN
-  fakir design sticky.toml --free pitch --pull-off 0.1mN
+  fakir design adhesive.toml --free pitch --pull-off 0.1mN
   fakir design case.toml --samples 1000
   fakir design asperities.toml --free heights --target curve.csv --height-error 0.2um --output designed")]
     Design(Design),
@@ -700,7 +700,7 @@ impl Design {
         let free = match self.free {
             Some(Free::Heights) => {
                 return Err(Failure::Argument(
-                    "--free heights goes with --target, the curve that is wanted".to_owned(),
+                    "--free heights requires --target, the target curve".to_owned(),
                 ));
             }
             Some(Free::Key(key)) => Some(key),
@@ -1293,8 +1293,8 @@ pub(crate) struct RangeArguments {
 }
 
 impl RangeArguments {
-    /// The range (m) for a case whose tops stick, or do not, if it is given.
-    pub(crate) fn of(self, sticks: bool) -> Result<Option<f64>, Failure> {
+    /// The range (m), if it is given; an error for a case that is not adhesive.
+    pub(crate) fn of(self, adhesive: bool) -> Result<Option<f64>, Failure> {
         let Some(range) = self.attraction_range else {
             return Ok(None);
         };
@@ -1303,9 +1303,9 @@ impl RangeArguments {
                 "--attraction-range must be a length greater than 0".to_owned(),
             ));
         }
-        if !sticks {
+        if !adhesive {
             return Err(Failure::Argument(
-                "--attraction-range needs pillar tops that stick: give adhesion.work in the case \
+                "--attraction-range needs adhesive pillar tops: give adhesion.work in the case \
                  file, or --set adhesion.work=50mJ/m2"
                     .to_owned(),
             ));

@@ -148,24 +148,24 @@ impl Failure {
         match self {
             Self::OutputClosed => {}
             // The default report of miette, with the line of the file, in colour if the terminal supports it.
-            Self::Case(error) => tell(&format!("{:?}", miette::Report::new(error.clone()))),
-            Self::Study(error @ StudyError::Interrupted { .. }) => tell(&error.to_string()),
+            Self::Case(error) => report_line(&format!("{:?}", miette::Report::new(error.clone()))),
+            Self::Study(error @ StudyError::Interrupted { .. }) => report_line(&error.to_string()),
             interrupted if interrupted.is_interruption() => {
-                tell("interrupted: no result");
+                report_line("interrupted: no result");
             }
             Self::Design(DesignError::Case(error))
             | Self::Spread(SpreadError::Case(error))
             | Self::Fit(FitError::Case(error)) => {
-                tell(&format!("{:?}", miette::Report::new(error.clone())));
+                report_line(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Study(StudyError::Case(error)) => {
-                tell(&format!("{:?}", miette::Report::new(error.clone())));
+                report_line(&format!("{:?}", miette::Report::new(error.clone())));
             }
             Self::Solve(SolveError::InvalidQuantity(invalid))
             | Self::Design(DesignError::Solve(SolveError::InvalidQuantity(invalid))) => {
-                tell(&format!("error: {}", load_words(invalid)));
+                report_line(&format!("error: {}", load_words(invalid)));
             }
-            other => tell(&format!("error: {other}")),
+            other => report_line(&format!("error: {other}")),
         }
     }
 
@@ -217,7 +217,7 @@ fn load_words(invalid: &InvalidQuantity) -> String {
     let (quantity, value) = (invalid.quantity, format_quantity(invalid.value, dimension));
     if invalid.value < 0.0 {
         return format!(
-            "invalid {quantity} {value}: must be 0 or greater (fakir cycle pulls the lens off tops that stick)"
+            "invalid {quantity} {value}: must be 0 or greater (tension: use fakir cycle, with adhesion)"
         );
     }
     let requirement = invalid.requirement;
@@ -231,7 +231,7 @@ pub(crate) type Status = u8;
 pub(crate) const DONE: Status = 0;
 
 /// A validity limit of the model was exceeded.
-pub(crate) const STRAINED: Status = 1;
+pub(crate) const LIMIT_EXCEEDED: Status = 1;
 
 /// There is no such contact, or no such pattern.
 pub(crate) const NO_ANSWER: Status = 3;
@@ -240,6 +240,6 @@ pub(crate) const NO_ANSWER: Status = 3;
 pub(crate) const INTERRUPTED: Status = 130;
 
 /// Prints a line on standard error; errors of writing are ignored.
-pub(crate) fn tell(line: &str) {
+pub(crate) fn report_line(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", line.trim_end());
 }

@@ -1,7 +1,7 @@
 //! The command `fakir`: case files in, critical states and contacts out.
 //!
 //! Arguments (`arguments`) are resolved into a case and a question. [`fakir_study::answer`] or a
-//! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output holds the result and nothing else.
+//! command (`commands`) makes a report of the answer, which is printed as a table or as JSON and saved. Standard output contains the result and nothing else.
 //!
 //! Both the program and the command of the Python package call this library's [`main`].
 
@@ -32,10 +32,10 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let deprecations = arguments::deprecated_keys(&arguments);
     let arguments = Arguments::parse_from(arguments);
     if is_older_name {
-        failure::tell("note: fakir approach --retract is now named fakir cycle");
+        failure::report_line("note: fakir approach --retract is now named fakir cycle");
     }
     for words in deprecations {
-        failure::tell(&format!("warning: {words}"));
+        failure::report_line(&format!("warning: {words}"));
     }
     match run(&arguments.command) {
         Ok(status) => status,
@@ -76,8 +76,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
                 &file,
                 Question::Theory,
                 move |case| {
-                    let sticks = !case.system.adhesion().is_none();
-                    commands::theory::run(case, options.adhesion.of(sticks)?)
+                    let adhesive = !case.system.adhesion().is_none();
+                    commands::theory::run(case, options.adhesion.of(adhesive)?)
                 },
             )
         }
@@ -194,7 +194,7 @@ fn pattern(file: &CaseFile, question: Question) -> Result<Box<Case>, Failure> {
     }
 }
 
-/// Calls `ask` (a session that it owns ends with it, and clears its progress away), and delivers the report:
+/// Calls `ask` (which owns the session, and removes its progress line at the end), and delivers the report:
 /// saved first, so that what is printed is safe. `case_warnings` are about the case as it is written.
 fn deliver(
     command: &Command,
@@ -213,7 +213,7 @@ fn deliver(
     // The reason for a missing result is printed even with --quiet.
     if !options.quiet || !report.converged {
         for warning in &report.warnings {
-            failure::tell(&format!("warning: {warning}"));
+            failure::report_line(&format!("warning: {warning}"));
         }
     }
     standard::print(if options.json {
@@ -221,10 +221,12 @@ fn deliver(
     } else {
         &report.text
     })?;
-    if command.is_strict() && !report.strained.is_empty() {
-        let strained = report.strained.join("; ");
-        failure::tell(&format!("error: the model is strained: {strained}"));
-        return Ok(report.status().max(failure::STRAINED));
+    if command.is_strict() && !report.exceeded.is_empty() {
+        let exceeded = report.exceeded.join("; ");
+        failure::report_line(&format!(
+            "error: outside the limits of the model: {exceeded}"
+        ));
+        return Ok(report.status().max(failure::LIMIT_EXCEEDED));
     }
     Ok(report.status())
 }

@@ -1,6 +1,6 @@
 //! Execution of a computation from a terminal: threads, memory, progress and Ctrl-C.
 
-use crate::failure::{Failure, INTERRUPTED, tell};
+use crate::failure::{Failure, INTERRUPTED, report_line};
 use clap::Args;
 use fakir::state::{CancelToken, Progress, Run, Threads};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -91,7 +91,7 @@ impl Session {
 pub(crate) fn threads(asked: usize, quiet: bool) -> usize {
     let threads = Threads::asked(asked);
     if let Some(warning) = threads.warning().filter(|_| !quiet) {
-        tell(&format!("warning: {warning}"));
+        report_line(&format!("warning: {warning}"));
     }
     threads.number()
 }

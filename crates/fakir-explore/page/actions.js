@@ -18,7 +18,7 @@ const NOTICE = 1200;
  * @param {string} name
  */
 export async function save(store, server, name) {
-  store.tell("export", `${name} …`);
+  store.notify("export", `${name} …`);
   const { question } = store.state;
   const known = knownCritical(store.state, question);
   const load = {
@@ -33,9 +33,9 @@ export async function save(store, server, name) {
     link.download = `fakir-${name}`;
     link.click();
     window.setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-    store.tell("export", `${name} saved`);
+    store.notify("export", `${name} saved`);
   } catch (error) {
-    store.tell("export", error instanceof Error ? error.message : String(error));
+    store.notify("export", error instanceof Error ? error.message : String(error));
   }
 }
 
@@ -52,9 +52,9 @@ export async function copy(store, about, text) {
   } catch {
     words = "not allowed";
   }
-  store.tell(about, words);
+  store.notify(about, words);
   store.announce(words);
-  window.setTimeout(() => store.tell(about, null), NOTICE);
+  window.setTimeout(() => store.notify(about, null), NOTICE);
 }
 
 /**

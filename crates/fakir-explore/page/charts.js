@@ -193,13 +193,13 @@ function linear([low, high], first, last) {
 }
 
 /**
- * Ticks at multiples of a round step, as many as there is room for. The range need not begin at a tick.
+ * Ticks at multiples of a round step, as many as fit. The range need not begin at a tick.
  * @param {Place} place
- * @param {number} room
+ * @param {number} space
  * @returns {Tick[]}
  */
-function evenTicks([low, high], room) {
-  const least = (high - low) / Math.max(2, Math.min(6, room));
+function evenTicks([low, high], space) {
+  const least = (high - low) / Math.max(2, Math.min(6, space));
   const power = 10 ** Math.floor(Math.log10(least));
   const step = [1, 2, 5, 10].map((round) => round * power).find((round) => round >= least) ?? least;
   const [first, last] = [Math.ceil(low / step - 1e-4), Math.floor(high / step + 1e-4)];
@@ -227,16 +227,16 @@ function logarithmic([low, high], first, last) {
  */
 
 /**
- * Ticks at the integers 1 to 9 of every decade, with as many labels as there is room for.
+ * Ticks at the integers 1 to 9 of every decade, with as many labels as fit.
  * @param {Place} place
- * @param {number} room
+ * @param {number} space
  * @returns {Tick[]}
  */
-function decadeTicks([low, high], room) {
+function decadeTicks([low, high], space) {
   const [first, last] = [Math.floor(Math.log10(low)), Math.ceil(Math.log10(high))];
   const decades = Math.log10(high / low);
-  const every = Math.max(1, Math.ceil(decades / Math.max(1, room)));
-  const digits = 3 * decades + 1 <= room ? [1, 2, 5] : [1];
+  const every = Math.max(1, Math.ceil(decades / Math.max(1, space)));
+  const digits = 3 * decades + 1 <= space ? [1, 2, 5] : [1];
   /** @type {Tick[]} */
   const result = [];
   for (let power = first; power <= last; power += 1) {
@@ -251,15 +251,15 @@ function decadeTicks([low, high], room) {
 }
 
 /**
- * The range of the positive values, with some room around them.
+ * The range of the positive values, with a margin around them.
  * @param {readonly number[]} values
- * @param {number} [room]
+ * @param {number} [space]
  * @returns {Place}
  */
-export function range(values, room = 1.3) {
+export function range(values, space = 1.3) {
   const positive = values.filter((value) => value > 0 && Number.isFinite(value));
   if (positive.length === 0) return [1, 10];
-  const [low, high] = [Math.min(...positive) / room, Math.max(...positive) * room];
+  const [low, high] = [Math.min(...positive) / space, Math.max(...positive) * space];
   return high / low < 4 ? [low / 1.5, high * 1.5] : [low, high];
 }
 

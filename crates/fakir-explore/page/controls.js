@@ -1,7 +1,7 @@
 // The input controls of a case: a field with unit and a slider for each quantity, and error messages.
 
 import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, sticks, STUCK, WORK, withSpacing } from "./store.js";
+import { FRACTION, PITCH, RECEDING, isAdhesive, ADHESIVE_FLOOR, WORK, withSpacing } from "./store.js";
 
 /**
  * @import { Key, Value, Values } from "./engine.js"
@@ -99,7 +99,7 @@ export class Controls {
     const receding = this.#widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
     receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-    this.#widgets.get(STUCK)?.box.toggleAttribute("hidden", !sticks(values) && values[STUCK] === undefined);
+    this.#widgets.get(ADHESIVE_FLOOR)?.box.toggleAttribute("hidden", !isAdhesive(values) && values[ADHESIVE_FLOOR] === undefined);
   }
 
   /**
@@ -149,8 +149,8 @@ export class Controls {
     text.addEventListener("change", () => {
       text.value = withUnit(text.value, unit);
       unit = unitOf(text.value) || unit;
-      const isEndless = field.endless && ["", INFINITE, "∞"].includes(text.value.trim());
-      const value = isEndless ? "" : (parse(text.value, field.dimension) ?? text.value);
+      const isInfinite = field.infinite && ["", INFINITE, "∞"].includes(text.value.trim());
+      const value = isInfinite ? "" : (parse(text.value, field.dimension) ?? text.value);
       this.#changed(field.key, value, true, performance.now());
     });
     const slide = () => {
@@ -171,9 +171,9 @@ export class Controls {
     /** @type {(value: Value, typed: boolean) => void} */
     const show = (value, typed) => {
       if (typeof value !== "number") {
-        const isEndless = field.endless && value === "";
-        if (!typed) text.value = isEndless ? INFINITE : value;
-        if (isEndless) {
+        const isInfinite = field.infinite && value === "";
+        if (!typed) text.value = isInfinite ? INFINITE : value;
+        if (isInfinite) {
           slider.value = String(STEPS);
           slider.setAttribute("aria-valuetext", INFINITE);
         }
@@ -339,7 +339,7 @@ function ends({ usual, least, greatest }) {
 function sliderValue(field, place) {
   const [low, high] = ends(field);
   const part = place / STEPS;
-  if (place === STEPS && field.endless) return "";
+  if (place === STEPS && field.infinite) return "";
   if (place === 0 && beginsAtZero(field)) return 0;
   // The scale is logarithmic unless it includes zero.
   const value = low > 0 ? low * (high / low) ** part : low + (high - low) * part;

@@ -3,7 +3,7 @@
 import { drawChart, range } from "./charts.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorBears, isCritical, isOlder, stationAt, sticks } from "./store.js";
+import { floorCarriesLoad, isCritical, isOlder, stationAt, isAdhesive } from "./store.js";
 
 /**
  * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
@@ -164,7 +164,7 @@ function phaseContents(state) {
  * @returns {string}
  */
 function pastStyle(values) {
-  return floorBears(values) ? "floor-path" : "fiction-path";
+  return floorCarriesLoad(values) ? "floor-path" : "fiction-path";
 }
 
 /** @type {Axes} */
@@ -198,7 +198,7 @@ function drawCycle(state, cycle) {
   const curve = cycle.solved === null ? cycle.curve.map(placeOf) : cycle.solved.summary.stations.map(placeOf);
   const pull = cycle.solved?.summary.pull_off_force_N ?? null;
   const series = cycleSeries(state, cycle);
-  const [x, y] = [withRoom(curve.map(([x]) => x)), withRoom(curve.map(([, y]) => y))];
+  const [x, y] = [withPadding(curve.map(([x]) => x)), withPadding(curve.map(([, y]) => y))];
   const force = engineeringText(pull ?? 0, "force", digitsFor(numericalErrorOf(cycle)));
   /** @type {(place: Place) => Lettering} */
   const name = (place) => ({ place, text: `pull-off ${force}`, style: "pull-name" });
@@ -218,9 +218,9 @@ function drawCycle(state, cycle) {
   // The close-up covers the part of unloading with a force below half the pull-off force.
   const held = stations.filter(({ branch, force_N }) => branch === "unloading" && force_N < -0.5 * pull);
   const [left, right] = extremes([0, last ?? 0, ...held.map(({ indentation_m }) => indentation_m)]);
-  const room = 0.06 * (right - left);
+  const space = 0.06 * (right - left);
   drawChart(byId("pull", SVGSVGElement), LOADING, {
-    x: [left - room, right + room],
+    x: [left - space, right + space],
     y: [1.42 * pull, -0.55 * pull],
     series,
     names: [name([Math.max(at, left + 0.2 * (right - left)), 1.26 * pull])],
@@ -240,11 +240,11 @@ function extremes(values) {
 }
 
 /**
- * The range of values on a linear axis, with room for marks.
+ * The range of values on a linear axis, with a margin for marks.
  * @param {readonly number[]} values
  * @returns {Place}
  */
-function withRoom(values) {
+function withPadding(values) {
   const [low, high] = extremes(values);
   if (!(high > low)) return [0, 1];
   return [low - 0.04 * (high - low), high + 0.06 * (high - low)];
@@ -319,9 +319,9 @@ function cycleSeries(state, { curve, solved }) {
 
 /** @param {State} state */
 export function drawLoading(state) {
-  const sticky = sticks(state.chosen.case);
-  if (sticky && state.cycle !== null) drawCycle(state, state.cycle.is);
-  if (sticky) return;
+  const adhesive = isAdhesive(state.chosen.case);
+  if (adhesive && state.cycle !== null) drawCycle(state, state.cycle.is);
+  if (adhesive) return;
   byId("pull-box").hidden = true;
   const contents = loadingContents(state);
   if (contents !== null) drawChart(byId("loading", SVGSVGElement), LOADING, contents);
@@ -460,7 +460,7 @@ export function drawCurvesStatus({ asking, answered, question }) {
     .filter((each) => each?.of.name === question.name)
     .map((each) => each?.is ?? "");
   const words = asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
-  byId("curves-status").textContent = [sticks(question.case) ? "without adhesion" : "", words]
+  byId("curves-status").textContent = [isAdhesive(question.case) ? "without adhesion" : "", words]
     .filter((part) => part !== "")
     .join(", ");
 }

@@ -242,7 +242,7 @@
 
 /**
  * An adhesive floor in a cycle.
- * @typedef {object} StuckFloor
+ * @typedef {object} AdhesiveFloor
  * @property {number | null} force_before_jump_N
  * @property {FloorStation | null} jump The state after the jump onto the floor.
  * @property {FloorStation | null} last The last state with floor contact; null if the floor does not detach.
@@ -272,7 +272,7 @@
  * @property {number | null} certificate
  * @property {{ critical_force: CycleError | null, pull_off_force: CycleError | null, hysteresis: CycleError | null }}
  *   relative_error_estimate
- * @property {StuckFloor} [floor] Only if the floor is adhesive and was touched.
+ * @property {AdhesiveFloor} [floor] Only if the floor is adhesive and was touched.
  * @property {readonly Limit[]} limits
  * @property {readonly CycleStation[]} stations
  * @property {readonly CycleEvent[]} events
@@ -361,7 +361,7 @@
  * @property {number | null} greatest Largest accepted value, unless it depends on other keys.
  * @property {readonly [number, number] | null} usual Range of usual values.
  * @property {boolean} whole
- * @property {boolean} endless Whether its default is infinite.
+ * @property {boolean} infinite Whether its default is infinite.
  * @property {readonly string[]} words The words that it accepts; empty if it takes a number.
  * @property {Value | null} default Its default; null if it must be given.
  * @property {string | null} alternative The key that it replaces.

@@ -21,9 +21,9 @@ import {
   PITCH,
   RECEDING,
   refusedAt,
-  sticks,
+  isAdhesive,
   Store,
-  STUCK,
+  ADHESIVE_FLOOR,
   WORK,
 } from "./store.js";
 import { onScheme } from "./theme.js";
@@ -44,7 +44,7 @@ const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
  * Keys that the buttons of the paper's substrates do not change: spacing of pillars, floor contact, adhesion and
  * thicknesses.
  */
-const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, STUCK, "substrate.thickness", "lens.thickness"];
+const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, ADHESIVE_FLOOR, "substrate.thickness", "lens.thickness"];
 
 /** A load set with the pointer snaps to the critical one within this distance. */
 const SNAP = 0.012;
@@ -104,8 +104,8 @@ function show(store) {
     ({ chosen, typed }) => {
       controls.show(chosen.case, typed);
       for (const button of buttons("preset")) {
-        const wanted = Object.entries(preset(start, button.dataset["preset"] ?? ""));
-        const same = wanted.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
+        const settings = Object.entries(preset(start, button.dataset["preset"] ?? ""));
+        const same = settings.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
         button.setAttribute("aria-pressed", String(same));
       }
     },
@@ -305,7 +305,7 @@ function listen(store, server) {
   slider.addEventListener("input", () => {
     const value = Number(slider.value);
     const { chosen, cycle } = store.state;
-    if (sticks(chosen.case)) {
+    if (isAdhesive(chosen.case)) {
       // With adhesion the slider has a step for each state.
       const state = cycle?.is.states[value];
       if (state !== undefined) store.choose({ load: state.load }, performance.now());
@@ -321,7 +321,7 @@ function listen(store, server) {
   });
   byId("to-jump").addEventListener("click", () => store.choose({ load: 1 }, performance.now()));
   byId("call-off").addEventListener("click", () => store.callOff());
-  byId("ask-again").addEventListener("click", () => store.askAgain(performance.now()));
+  byId("request-again").addEventListener("click", () => store.requestAgain(performance.now()));
   byId("to-pull-off").addEventListener("click", () => {
     const { cycle } = store.state;
     const stations = cycle?.is.solved?.summary.stations;

@@ -5,8 +5,8 @@ import { byId } from "./screen.js";
 import { stationShown } from "./diagrams.js";
 import { floorAt, holesWords } from "./scene.js";
 import {
-  floorBears,
-  floorSticks,
+  floorCarriesLoad,
+  hasAdhesiveFloor,
   isBeyond,
   isBusy,
   isCalledOff,
@@ -15,12 +15,12 @@ import {
   isOlder,
   isWhole,
   stationAt,
-  sticks,
+  isAdhesive,
 } from "./store.js";
 
 /**
  * @import {
- *   CycleError, CycleStation, ExpectedCells, FloorSummary, Limit, Progress, SolvedCycle, StationState, StuckFloor,
+ *   CycleError, CycleStation, ExpectedCells, AdhesiveFloor, FloorSummary, Limit, Progress, SolvedCycle, StationState,
  *   TransitionSummary,
  * } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
@@ -171,10 +171,10 @@ function drawLimits(limits) {
   const [nearest] = [...known].sort((one, other) => other.part - one.part);
   line.classList.toggle("strained", strained.length > 0);
   line.hidden = nearest === undefined;
-  const told = strained.map((limit) => limit.words).join("; ");
+  const words = strained.map((limit) => limit.words).join("; ");
   line.textContent =
     strained.length > 0
-      ? `model strained: ${told}`
+      ? `limit exceeded: ${words}`
       : `within the limits of the model; closest: ${nearest?.words ?? ""}`;
 }
 
@@ -235,11 +235,11 @@ const SHORT = 400;
 export function drawCycleProgress(state) {
   const { asking, cycle, elapsed, expected, progress, question } = state;
   const under = asking.contact?.question;
-  const isUnder = under !== undefined && sticks(under.case) && elapsed > SHORT;
+  const isUnder = under !== undefined && isAdhesive(under.case) && elapsed > SHORT;
   const calledOff = isCalledOff(state) && under === undefined;
   byId("cycle-progress").hidden = !isUnder && !calledOff;
   byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
-  byId("ask-again").hidden = !calledOff;
+  byId("request-again").hidden = !calledOff;
   const way = isUnder && progress?.of.number === under.number ? progress.is.way : undefined;
   const share = byId("cycle-share", HTMLProgressElement);
   if (way === undefined) share.removeAttribute("value");
@@ -287,15 +287,15 @@ function cellsWords({ cells, across_ring, many, coarse }) {
  * @param {State} state
  */
 export function drawLoad(state) {
-  const sticky = sticks(state.chosen.case);
-  const stuck = floorSticks(state.chosen.case);
-  byId("to-pull-off").hidden = !sticky;
-  byId("to-jump").hidden = !stuck;
-  byId("cycle-numbers").hidden = !sticky || state.cycle === null || state.cycle.is.solved === null;
-  byId("load-end").textContent = sticky ? "last release" : "beyond";
-  for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", sticky);
-  for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("stuck", stuck);
-  if (sticky) {
+  const adhesive = isAdhesive(state.chosen.case);
+  const floorIsAdhesive = hasAdhesiveFloor(state.chosen.case);
+  byId("to-pull-off").hidden = !adhesive;
+  byId("to-jump").hidden = !floorIsAdhesive;
+  byId("cycle-numbers").hidden = !adhesive || state.cycle === null || state.cycle.is.solved === null;
+  byId("load-end").textContent = adhesive ? "last release" : "beyond";
+  for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", adhesive);
+  for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("with-adhesive-floor", floorIsAdhesive);
+  if (adhesive) {
     drawCycleLoad(state);
     return;
   }
@@ -304,11 +304,11 @@ export function drawLoad(state) {
   const words = loadWords(load);
   const beyond = isBeyond(load);
   byId("load-words").textContent = words;
-  const bears = floorBears(state.chosen.case);
-  byId("load-words").classList.toggle("beyond", beyond && !bears);
-  byId("beyond-note").hidden = !beyond || bears;
+  const carries = floorCarriesLoad(state.chosen.case);
+  byId("load-words").classList.toggle("beyond", beyond && !carries);
+  byId("beyond-note").hidden = !beyond || carries;
   for (const part of [byId("load").parentElement, byId("loading-legend")]) {
-    part?.classList.toggle("through-floor", !bears);
+    part?.classList.toggle("through-floor", !carries);
   }
   setSlider(0.002, state.start.farthest_load, 1, load, words);
   if (state.solved === null) return;
@@ -491,12 +491,12 @@ export function drawCycleNumbers(state) {
   const texts = {
     "pull-off-force": pull === null ? "no tension" : number(pull, "force", errors.pull_off_force),
     "pull-off-error": pull === null ? "" : errorWords(errors.pull_off_force),
-    "pull-off-held":
+    "pull-off-pillars":
       pull === null
         ? ""
         : `${pillars} ${pillars === 1 ? "pillar" : "pillars"}, ` +
           `ζ = ${engineeringText(summary.pull_off_indentation_m ?? 0, "length", 3)}`,
-    "sticky-critical": number(summary.critical_force_N, "force", errors.critical_force),
+    "adhesive-critical": number(summary.critical_force_N, "force", errors.critical_force),
     "plain-critical": `${engineeringText(cycle.critical_force_without_adhesion_N, "force", 5)} without adhesion`,
     "last-release":
       summary.last_release_indentation_m === null
@@ -509,17 +509,17 @@ export function drawCycleNumbers(state) {
   for (const [id, text] of Object.entries(texts)) write(byId(id), text);
   for (const limit of summary.limits) drawLimit(limit);
   const floor = summary.floor ?? null;
-  byId("stuck-floor").hidden = floor === null;
-  byId("stuck-floor").classList.toggle("strained", floor?.coarse ?? false);
-  if (floor !== null) write(byId("stuck-floor"), stuckFloorWords(floor));
+  byId("adhesive-floor").hidden = floor === null;
+  byId("adhesive-floor").classList.toggle("strained", floor?.coarse ?? false);
+  if (floor !== null) write(byId("adhesive-floor"), adhesiveFloorWords(floor));
 }
 
 /**
  * Describes the jump onto an adhesive floor and its detachment, with estimated errors.
- * @param {StuckFloor} floor
+ * @param {AdhesiveFloor} floor
  * @returns {string}
  */
-function stuckFloorWords(floor) {
+function adhesiveFloorWords(floor) {
   const { jump, last, force_before_jump_N: before, relative_error_estimate: errors } = floor;
   const { indentation_after_loss_m: after, force_after_loss_N: lighter } = floor;
   /** @type {string[]} */

@@ -1,7 +1,7 @@
 // Sends the questions of the store to the server, and puts the answers into the store.
 
 import { Refused } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical, sticks } from "./store.js";
+import { isBusy, isWithoutFloor, knownCritical, isAdhesive } from "./store.js";
 
 /**
  * @import { ApiPath, Background, Kind, Refusal, Server } from "./engine.js"
@@ -81,8 +81,8 @@ export function answerQuestions(store, server) {
     const { asking, picture, question } = store.state;
     const under = asking.contact?.question;
     if (under === undefined || under.number >= question.number) return;
-    const goesOn = picture?.is.stage !== "exact" || sticks(under.case);
-    if (picture?.of.number === under.number && goesOn) {
+    const continues = picture?.is.stage !== "exact" || isAdhesive(under.case);
+    if (picture?.of.number === under.number && continues) {
       server.cancel("contact");
     }
   }
@@ -102,8 +102,8 @@ export function answerQuestions(store, server) {
   async function contact(question) {
     const known = knownCritical(store.state, question);
     // A cycle can take minutes: its elapsed time is shown meanwhile.
-    const clock = sticks(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
-    await ask("contact", sticks(question.case) ? "cycle" : "contact", question, {
+    const clock = isAdhesive(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
+    await ask("contact", isAdhesive(question.case) ? "cycle" : "contact", question, {
       case: question.case,
       load: {
         fraction: question.load,
@@ -125,7 +125,7 @@ export function answerQuestions(store, server) {
       curves: { case: question.case },
     };
     // With adhesion the phase diagram shows the loading of the cycle.
-    for (const kind of BACKGROUND.filter((kind) => kind === "curves" || !sticks(question.case))) {
+    for (const kind of BACKGROUND.filter((kind) => kind === "curves" || !isAdhesive(question.case))) {
       const names = [asking[kind]?.question.name, answered[kind]?.of.name];
       if (!names.includes(question.name)) void ask(kind, kind, question, questions[kind]);
     }

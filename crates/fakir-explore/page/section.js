@@ -13,9 +13,9 @@ import { letterSize } from "./theme.js";
 /** @param {State} state */
 export function drawSection(state) {
   const svg = byId("section", SVGSVGElement);
-  const wanted = state.chosen.exaggeration;
-  byId("exaggeration-fit").setAttribute("aria-pressed", String(wanted === null));
-  if (wanted !== null) showExaggeration(wanted);
+  const given = state.chosen.exaggeration;
+  byId("exaggeration-fit").setAttribute("aria-pressed", String(given === null));
+  if (given !== null) showExaggeration(given);
   const { width, height } = svg.getBoundingClientRect();
   if (state.section === null || width < 40 || height < 40) return;
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -29,8 +29,8 @@ export function drawSection(state) {
   const half = section.x_m[section.x_m.length - 1] ?? 1;
   const [low, high] = span(section, 0.01 * half);
   const across = width / (2 * half);
-  const factor = wanted ?? (0.62 * height) / (high - low) / across;
-  if (wanted === null) showExaggeration(factor);
+  const factor = given ?? (0.62 * height) / (high - low) / across;
+  if (given === null) showExaggeration(factor);
   const up = across * factor;
   const middle = (low + high) / 2;
   /** @type {(x: number, z: number) => [string, string]} */

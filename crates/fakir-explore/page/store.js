@@ -22,7 +22,7 @@ const LATTICE_ANGLE = "pattern.lattice_angle";
 const DIAMETER = "pattern.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
-export const STUCK = "adhesion.floor";
+export const ADHESIVE_FLOOR = "adhesion.floor";
 
 /** The load of the last release. With adhesion, loads from 1 to this value are those of unloading. */
 const LAST_RELEASE = 2;
@@ -95,7 +95,7 @@ const LAST_RELEASE = 2;
 /**
  * A cycle of loading and unloading with adhesion.
  * @typedef {object} Cycle
- * @property {readonly CurveStation[]} curve The curve, as far as it is computed.
+ * @property {readonly CurveStation[]} curve The part of the curve that has been computed.
  * @property {SolvedCycle | null} solved The cycle, once it is solved.
  * @property {readonly StationState[]} states The states received so far, in order.
  */
@@ -222,15 +222,15 @@ export class Store {
   choose(choice, asked, typed = null) {
     const before = this.#state.chosen;
     const values = choice.case ?? before.case;
-    const [wanted, turned] = [choice.load ?? before.load, sticks(values) !== sticks(before.case)];
+    const [previous, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
     // A load above 1 is beyond the critical state without adhesion, and on unloading with it.
-    const load = within(turned && choice.load === undefined ? Math.min(1, wanted) : wanted, values, this.#state.start);
+    const load = within(turned && choice.load === undefined ? Math.min(1, previous) : previous, values, this.#state.start);
     const chosen = { ...before, ...choice, load };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });
       return;
     }
-    if (choice.case === undefined && sticks(values)) {
+    if (choice.case === undefined && isAdhesive(values)) {
       // All states of the cycle have arrived, or will.
       this.#change({ chosen, ...shownAt(this.#state.cycle, load) });
       return;
@@ -258,12 +258,12 @@ export class Store {
     // Without adhesion neither its work on unloading nor the adhesion of the floor has a meaning.
     if (key === WORK && value === 0) {
       delete values[RECEDING];
-      delete values[STUCK];
+      delete values[ADHESIVE_FLOOR];
     }
     // A floor whose contact is ignored is not adhesive.
-    if (key === FLOOR && value === "false") delete values[STUCK];
-    const isEndless = this.#state.start.keys.some((known) => known.key === key && known.endless);
-    const isEmptied = value === "" && (key === WORK || key === RECEDING || isEndless);
+    if (key === FLOOR && value === "false") delete values[ADHESIVE_FLOOR];
+    const isInfinite = this.#state.start.keys.some((known) => known.key === key && known.infinite);
+    const isEmptied = value === "" && (key === WORK || key === RECEDING || isInfinite);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }
@@ -278,7 +278,7 @@ export class Store {
    * Sends the same question again.
    * @param {number} asked
    */
-  askAgain(asked) {
+  requestAgain(asked) {
     this.choose({ case: this.#state.chosen.case }, asked);
   }
 
@@ -287,7 +287,7 @@ export class Store {
    * @param {Notice} about
    * @param {string | null} words
    */
-  tell(about, words) {
+  notify(about, words) {
     const notices = { ...this.#state.notices };
     if (words === null) delete notices[about];
     else notices[about] = words;
@@ -460,7 +460,7 @@ function rounded(value) {
  * @param {Values} values
  * @returns {boolean}
  */
-export function sticks(values) {
+export function isAdhesive(values) {
   return [WORK, RECEDING].some((key) => Number(values[key] ?? 0) !== 0);
 }
 
@@ -469,8 +469,8 @@ export function sticks(values) {
  * @param {Values} values
  * @returns {boolean}
  */
-export function floorSticks(values) {
-  return sticks(values) && String(values[STUCK] ?? "false") === "true";
+export function hasAdhesiveFloor(values) {
+  return isAdhesive(values) && String(values[ADHESIVE_FLOOR] ?? "false") === "true";
 }
 
 /**
@@ -573,7 +573,7 @@ export function isCritical(fraction) {
  * @param {Values} values
  * @returns {boolean}
  */
-export function floorBears(values) {
+export function floorCarriesLoad(values) {
   /** @type {(key: string, word: string) => boolean} */
   const isOf = (key, word) => (values[key] ?? word) === word;
   return isOf(FLOOR, "true") && isOf("method.name", "spectral");
@@ -617,7 +617,7 @@ function newQuestion(number, chosen, asked) {
  * @returns {number}
  */
 function within(load, values, { farthest_load }) {
-  const farthest = sticks(values) ? LAST_RELEASE : farthest_load;
+  const farthest = isAdhesive(values) ? LAST_RELEASE : farthest_load;
   return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 
@@ -671,14 +671,14 @@ function contactLine(state, { question: of, since }, line, now) {
     const scene = sceneOf(line.state);
     const largest = state.largestForce;
     // The colour scale is kept while the load changes, and reset at the critical state.
-    const goesOn = !isCritical(of.load) && largest?.of.name === of.name;
-    const force = Math.max(goesOn ? largest.is : 0, largestForceOf(scene));
+    const continues = !isCritical(of.load) && largest?.of.name === of.name;
+    const force = Math.max(continues ? largest.is : 0, largestForceOf(scene));
     return {
       picture: { of, is: { stage: "exact", scene } },
       solved: { of, is: line.state },
       largestForce: { of, is: force },
       // In a cycle this is the critical state; the rest is still being solved.
-      cycle: sticks(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
+      cycle: isAdhesive(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
       estimate: known ? null : state.estimate,
       lastTime: now - since,
       refusal: null,

@@ -114,13 +114,13 @@ pub(crate) fn solve(
 
 /// Whether the floor is in contact under a load.
 fn meets_floor(case: &Case, load: LoadPoint) -> bool {
-    bears(case) && load.fraction > 1.0
+    floor_carries_load(case) && load.fraction > 1.0
 }
 
 /// Whether the floor carries load past the transition and its force is computed.
-fn bears(case: &Case) -> bool {
-    let wanted = case.system.floor_model() == FloorModel::Contact;
-    matches!(case.method, Method::Spectral(_)) && wanted
+fn floor_carries_load(case: &Case) -> bool {
+    let applies = case.system.floor_model() == FloorModel::Contact;
+    matches!(case.method, Method::Spectral(_)) && applies
 }
 
 /// Indentation, m, at a fraction of the path from first contact to the critical state.
@@ -523,11 +523,11 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
         Some(_) => closed_forms::small_contact_limit(system),
         None => f64::NAN,
     };
-    let formula = |wanted: &dyn Fn(f64) -> bool,
+    let formula = |applies: &dyn Fn(f64) -> bool,
                    formula: &dyn Fn(&System) -> TransitionEstimate| {
         formulas
             .iter()
-            .filter(|system| wanted(system.pattern().surface_fraction()))
+            .filter(|system| applies(system.pattern().surface_fraction()))
             .map(|system| CurvePoint::of_formula(system, &formula(system)))
             .collect()
     };
@@ -661,13 +661,13 @@ pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
         }
     };
     // The same method as for displayed states: only the spectral method supports the floor.
-    let system = &match bears(&case) {
+    let system = &match floor_carries_load(&case) {
         true => system.clone(),
         false => system.with_floor(FloorModel::Ignored),
     };
     let pillars = expected_pillars(system);
     for fraction in PATH_FRACTIONS {
-        if bears(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
+        if floor_carries_load(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
             continue;
         }
         worker.give_way()?;

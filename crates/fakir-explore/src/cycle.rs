@@ -44,7 +44,7 @@ pub(crate) struct SolvedCycle {
     pub(crate) wall_time: f64,
     /// Contacts by the index of the load step, in order. They include first contact, critical state, unloading point, the last step on an
     /// adhesive floor and the one after it, pull-off and last detachment.
-    held: BTreeMap<usize, HeldContact>,
+    kept: BTreeMap<usize, HeldContact>,
     /// Index of the critical state, if it was reached.
     pub(crate) critical: Option<usize>,
     turn: usize,
@@ -96,15 +96,15 @@ impl SolvedCycle {
         let keeper = keeper.into_inner().unwrap_or_else(PoisonError::into_inner);
         let at_turn = cycle.critical.as_ref().map(|_| turn);
         let critical = keeper.critical.or(at_turn);
-        let mut held = keeper.kept();
-        held.retain(|place, _| *place < cycle.stations.len());
-        if let Some(contact) = held_in(&cycle.turn) {
-            held.insert(turn, contact);
+        let mut kept = keeper.kept();
+        kept.retain(|place, _| *place < cycle.stations.len());
+        if let Some(contact) = contact_in(&cycle.turn) {
+            kept.insert(turn, contact);
         }
         let solved = Self {
             cycle,
             wall_time: start.elapsed().as_secs_f64(),
-            held,
+            kept,
             critical,
             turn,
         };
@@ -114,8 +114,8 @@ impl SolvedCycle {
     /// Load steps with a state, each with its position on the path: from 0 at first contact to 1 at the unloading point, and to 2 at the
     /// last detachment. The states of each branch are equally spaced.
     fn places(&self) -> Vec<(usize, f64)> {
-        let down = self.held.range(..self.turn).count();
-        let up = self.held.len().saturating_sub(down + 1);
+        let down = self.kept.range(..self.turn).count();
+        let up = self.kept.len().saturating_sub(down + 1);
         let load = |number: usize| {
             if number == down {
                 1.0
@@ -125,7 +125,7 @@ impl SolvedCycle {
                 1.0 + (number - down) as f64 / up as f64
             }
         };
-        let places = self.held.keys().enumerate();
+        let places = self.kept.keys().enumerate();
         places
             .map(|(number, place)| (*place, load(number)))
             .collect()
@@ -147,7 +147,7 @@ impl SolvedCycle {
     /// The contact at a load step; values that are not stored are those of the unloading point.
     pub(crate) fn state(&self, place: usize) -> ContactState {
         let mut state = self.cycle.turn.clone();
-        let (Some(held), Some(station)) = (self.held.get(&place), self.cycle.stations.get(place))
+        let (Some(kept), Some(station)) = (self.kept.get(&place), self.cycle.stations.get(place))
         else {
             return state;
         };
@@ -159,9 +159,9 @@ impl SolvedCycle {
         state.contact_radius = station.contact_radius;
         state.pillars_in_contact = station.pillars_in_contact;
         state.pillars_partially_in_contact = station.pillars_partially_in_contact;
-        state.pillars.clone_from(&held.pillars);
-        state.fields = Some(held.fields.clone());
-        state.floor.clone_from(&held.floor);
+        state.pillars.clone_from(&kept.pillars);
+        state.fields = Some(kept.fields.clone());
+        state.floor.clone_from(&kept.floor);
         state
     }
 
@@ -174,7 +174,7 @@ impl SolvedCycle {
 }
 
 /// The contact in a state, if it is completely known.
-fn held_in(state: &ContactState) -> Option<HeldContact> {
+fn contact_in(state: &ContactState) -> Option<HeldContact> {
     Some(HeldContact {
         pillars: state.pillars.clone(),
         fields: state.fields.clone()?,
@@ -193,7 +193,7 @@ struct Keeper {
     most: usize,
     /// Indentation of the last stored contact, m.
     last: Option<f64>,
-    held: BTreeMap<usize, HeldContact>,
+    kept: BTreeMap<usize, HeldContact>,
     /// Contacts that are always stored.
     marked: BTreeMap<usize, HeldContact>,
     /// Last load step.
@@ -214,7 +214,7 @@ impl Keeper {
             spacing: way.max(1e-3 * system.pillar().height) / states,
             most: (MOST_TIMES * states) as usize,
             last: None,
-            held: BTreeMap::new(),
+            kept: BTreeMap::new(),
             marked: BTreeMap::new(),
             passed: 0,
             critical: None,
@@ -226,19 +226,19 @@ impl Keeper {
     fn pass(&mut self, passage: &Passage<'_>) {
         let station = &passage.station;
         self.passed = passage.place;
-        let held = LazyCell::new(|| passage.held());
+        let kept = LazyCell::new(|| passage.held());
         let is_touched = station.pillars_in_contact > 0 || station.floor.is_some();
         let is_unloading = station.branch == Branch::Unloading;
         let is_released = is_unloading && !is_touched;
         if is_unloading && station.floor.is_some() {
-            self.on_floor = Some((passage.place, held.clone()));
+            self.on_floor = Some((passage.place, kept.clone()));
         } else if let Some((last, on_floor)) = self.on_floor.take() {
             self.marked.insert(last, on_floor);
-            self.marked.insert(passage.place, held.clone());
+            self.marked.insert(passage.place, kept.clone());
         }
         let strongest = self.strongest.as_ref().map_or(0.0, |(_, force, _)| *force);
         if is_unloading && station.force < strongest {
-            self.strongest = Some((passage.place, station.force, held.clone()));
+            self.strongest = Some((passage.place, station.force, kept.clone()));
         }
         let spacing = if station.force < 0.0 {
             self.spacing / CLOSER
@@ -250,12 +250,12 @@ impl Keeper {
             .is_none_or(|last| (station.indentation - last).abs() >= spacing);
         if is_released || (is_touched && is_far) {
             self.last = Some(station.indentation);
-            self.held.insert(passage.place, held.clone());
+            self.kept.insert(passage.place, kept.clone());
         }
-        if self.held.len() > self.most {
+        if self.kept.len() > self.most {
             // Keeps every second contact, including the first.
             let mut stays = false;
-            self.held.retain(|_, _| {
+            self.kept.retain(|_, _| {
                 stays = !stays;
                 stays
             });
@@ -266,14 +266,14 @@ impl Keeper {
     /// The last load step is the critical state, and the jump onto the floor follows.
     fn keep_critical(&mut self, contact: &ContactState) {
         self.critical = Some(self.passed);
-        if let Some(held) = held_in(contact) {
-            self.marked.insert(self.passed, held);
+        if let Some(kept) = contact_in(contact) {
+            self.marked.insert(self.passed, kept);
         }
     }
 
     fn kept(self) -> BTreeMap<usize, HeldContact> {
-        let strongest = self.strongest.map(|(place, _, held)| (place, held));
-        let mut all = self.held;
+        let strongest = self.strongest.map(|(place, _, kept)| (place, kept));
+        let mut all = self.kept;
         all.extend(self.marked.into_iter().chain(strongest));
         all
     }
@@ -283,10 +283,10 @@ impl Keeper {
 pub(crate) struct Page<'a> {
     case: &'a Case,
     worker: &'a Worker,
-    told: Mutex<Told>,
+    reported: Mutex<Reported>,
 }
 
-struct Told {
+struct Reported {
     start: Instant,
     /// Cumulative fractions of the total time.
     parts: [f64; 4],
@@ -316,7 +316,7 @@ const HALF_JUMP: f64 = 100.0;
 /// Approximate time of the error estimate relative to the time of everything before.
 const ERRORS_TIME: f64 = 0.8;
 
-impl Told {
+impl Reported {
     /// Approximate progress.
     fn share(&self) -> f64 {
         let [loaded, jumped, unloaded, all] = self.parts;
@@ -346,7 +346,7 @@ impl<'a> Page<'a> {
         Self {
             case,
             worker,
-            told: Mutex::new(Told {
+            reported: Mutex::new(Reported {
                 start: now,
                 parts: WITHOUT_FLOOR,
                 ends: [0.0, 1.0],
@@ -362,15 +362,15 @@ impl<'a> Page<'a> {
 
     /// Start of the path, whose length without adhesion is known.
     fn begin(&self, system: &System, without: &ContactState) {
-        let mut told = unpoisoned(&self.told);
+        let mut reported = unpoisoned(&self.reported);
         let expected = ExpectedCells::new(system, without.contact_radius);
-        told.start = Instant::now();
-        told.parts = match &expected {
+        reported.start = Instant::now();
+        reported.parts = match &expected {
             None => WITHOUT_FLOOR,
             Some(cells) if cells.coarse => ON_COARSE_CELLS,
             Some(_) => ON_FINE_CELLS,
         };
-        told.ends = [
+        reported.ends = [
             system.first_touch().min(system.pillar().height),
             without.indentation,
         ];
@@ -380,42 +380,44 @@ impl<'a> Page<'a> {
     }
 
     fn pass(&self, station: &CycleLoadStep) {
-        let mut told = unpoisoned(&self.told);
-        told.at = Some(*station);
-        told.curve.push(CurveStation {
+        let mut reported = unpoisoned(&self.reported);
+        reported.at = Some(*station);
+        reported.curve.push(CurveStation {
             loading: station.branch == Branch::Loading,
             indentation_m: station.indentation,
             force_N: station.force,
         });
-        self.tell(&mut told, CURVE_INTERVAL);
+        self.report(&mut reported, CURVE_INTERVAL);
     }
 
     /// Sends the curve so far, if enough time has passed since the last transmission.
-    fn tell(&self, told: &mut Told, interval: Duration) {
-        if let Some(at) = told.at {
+    fn report(&self, reported: &mut Reported, interval: Duration) {
+        if let Some(at) = reported.at {
             self.worker.is_at(Way {
                 loading: at.branch == Branch::Loading,
                 indentation_m: at.indentation,
-                share: told.share(),
+                share: reported.share(),
             });
         }
-        if told.sent.elapsed() >= interval && !told.curve.is_empty() {
-            told.sent = Instant::now();
+        if reported.sent.elapsed() >= interval && !reported.curve.is_empty() {
+            reported.sent = Instant::now();
             self.worker.send(&CurveLine {
-                curve: std::mem::take(&mut told.curve),
+                curve: std::mem::take(&mut reported.curve),
             });
         }
     }
 
     fn progress(&self, progress: Progress) {
-        let mut told = unpoisoned(&self.told);
+        let mut reported = unpoisoned(&self.reported);
         match progress.stage {
-            Stage::FloorFronts => told.rounds = progress.step as f64,
-            Stage::ErrorEstimate if told.closed.is_none() => told.closed = Some(Instant::now()),
+            Stage::FloorFronts => reported.rounds = progress.step as f64,
+            Stage::ErrorEstimate if reported.closed.is_none() => {
+                reported.closed = Some(Instant::now())
+            }
             _ => {}
         }
-        self.tell(&mut told, CURVE_INTERVAL);
-        drop(told);
+        self.report(&mut reported, CURVE_INTERVAL);
+        drop(reported);
         if let Some(listener) = self.worker.run().progress {
             listener(progress);
         }
@@ -424,14 +426,14 @@ impl<'a> Page<'a> {
     /// The jump onto the floor follows. It takes longer than everything before; therefore the results so far are
     /// shown.
     fn reach_critical(&self, contact: &ContactState) {
-        let mut told = unpoisoned(&self.told);
-        self.tell(&mut told, Duration::ZERO);
-        told.critical = true;
-        let wall_time = told.start.elapsed().as_secs_f64();
-        drop(told);
+        let mut reported = unpoisoned(&self.reported);
+        self.report(&mut reported, Duration::ZERO);
+        reported.critical = true;
+        let wall_time = reported.start.elapsed().as_secs_f64();
+        drop(reported);
         let critical = CriticalState::new(contact.clone());
-        self.tell_critical(&critical, wall_time);
-        self.tell_texts();
+        self.report_critical(&critical, wall_time);
+        self.report_texts();
         let state = StateLine::of_critical(contact, wall_time);
         self.worker.send(&state);
         let half_width = Cut::half_width(contact);
@@ -442,7 +444,7 @@ impl<'a> Page<'a> {
         }
     }
 
-    fn tell_critical(&self, critical: &CriticalState, wall_time: f64) {
+    fn report_critical(&self, critical: &CriticalState, wall_time: f64) {
         self.worker.send(&CriticalLine {
             critical: transition(critical, None, None, wall_time),
         });
@@ -450,7 +452,7 @@ impl<'a> Page<'a> {
         self.worker.send(&answers::transition_line(system));
     }
 
-    fn tell_texts(&self) {
+    fn report_texts(&self) {
         self.worker.send(&CaseLine {
             case: crate::lines::cycle_texts(self.case),
         });
@@ -549,18 +551,18 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     );
     let page = Page::new(&case, worker);
     let (solved, without) = SolvedCycle::of_page(&case, worker, Some(&page))?;
-    let is_told = unpoisoned(&page.told).critical;
-    if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_told) {
-        page.tell_critical(critical, solved.wall_time);
+    let is_reported = unpoisoned(&page.reported).critical;
+    if let Some(critical) = solved.cycle.critical.as_ref().filter(|_| !is_reported) {
+        page.report_critical(critical, solved.wall_time);
     }
     let system = &case.system;
-    let states = || solved.held.values();
-    let forces = || states().flat_map(|held| held.pillars.iter().map(|pillar| pillar.force));
+    let states = || solved.kept.values();
+    let forces = || states().flat_map(|kept| kept.pillars.iter().map(|pillar| pillar.force));
     worker.send(&CycleLine {
         cycle: Shown {
             summary: &CycleSummary::new(&solved.cycle, solved.wall_time),
             critical_force_without_adhesion_N: without.force,
-            states: solved.held.len(),
+            states: solved.kept.len(),
             largest_force_N: forces().fold(0.0, f64::max),
             largest_pull_N: forces().fold(0.0, f64::min),
             pitch_m: system.pitch(),
@@ -568,7 +570,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
-    page.tell_texts();
+    page.report_texts();
     for (place, load) in solved.nearest_first(request.load.fraction) {
         worker.send(&LoadStepLine {
             station: station_state(&solved, place, load, worker)?,
@@ -602,8 +604,9 @@ fn station_state(
 
 /// Bonded regions of the tops in partial contact.
 fn parts(solved: &SolvedCycle, place: usize, state: &ContactState) -> Vec<PartialTop> {
-    let held = solved.cycle.holding(place);
-    let covered: HashMap<(i64, i64), f64> = held.iter().map(|it| (it.index, it.covered)).collect();
+    let attached = solved.cycle.holding(place);
+    let covered: HashMap<(i64, i64), f64> =
+        attached.iter().map(|it| (it.index, it.covered)).collect();
     let radius = 0.5 * state.system.pillar().diameter;
     let pillars = state.pillars.iter().enumerate();
     pillars

@@ -2,7 +2,7 @@
 
 use fakir::problem::{FloorModel, Point, System};
 use fakir::state::{FloorContact, FloorResolution};
-use fakir::theory::stuck_floor::StuckPillar;
+use fakir::theory::stuck_floor::BondedFloorPillar;
 use serde::Serialize;
 use std::f64::consts::PI;
 
@@ -105,7 +105,7 @@ impl ExpectedCells {
         if !adhesion.floor || system.floor_model() == FloorModel::Ignored {
             return None;
         }
-        let pillar = StuckPillar::of(system);
+        let pillar = BondedFloorPillar::of(system);
         let ring = pillar.free_ring(adhesion.receding());
         let ring = ring.ok().flatten().unwrap_or(system.pitch());
         let area = PI * contact_radius * contact_radius;
@@ -152,14 +152,14 @@ mod tests {
         let floor = state.floor.as_ref().unwrap();
         let drawn = FloorCells::new(floor);
         let [width, height] = drawn.cell_m;
-        let told = drawn.segments.chunks_exact(3).flat_map(|one| {
+        let cells = drawn.segments.chunks_exact(3).flat_map(|one| {
             let (row, first) = (one[0], one[1]);
             (first..first + one[2]).map(move |column| (row, column))
         });
-        let told: Vec<(usize, usize)> = told.collect();
-        assert_eq!(told.len(), floor.pressure.len());
-        assert_eq!(told.len(), drawn.shades.len());
-        for ((row, column), [x, y]) in told.into_iter().zip(floor.cells.centres()) {
+        let cells: Vec<(usize, usize)> = cells.collect();
+        assert_eq!(cells.len(), floor.pressure.len());
+        assert_eq!(cells.len(), drawn.shades.len());
+        for ((row, column), [x, y]) in cells.into_iter().zip(floor.cells.centres()) {
             assert!(row < drawn.rows && column < drawn.columns);
             let at = [
                 drawn.corner_m[0] + (column as f64 + 0.5) * width,

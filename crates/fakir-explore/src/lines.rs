@@ -219,13 +219,13 @@ mod tests {
     fn the_lines_for_python_have_every_key() {
         let case = Case::example();
         let lines = python(&case, Question::Contact(Some(3e-6)));
-        for wanted in [
+        for required in [
             "lens=fakir.Lens(radius=\"2.2 mm\", young_modulus=\"2 MPa\", poisson_ratio=0.5),",
             "diameter=\"6 um\", height=\"2.2 um\", compliance=\"column\",\n",
             "surface_fraction=0.1, offset=0, offset_angle=\"0 deg\",\n",
             "indentation=\"3 um\", method=\"spectral\", accuracy=\"default\")",
         ] {
-            assert!(lines.contains(wanted), "{lines}");
+            assert!(lines.contains(required), "{lines}");
         }
         assert!(!lines.contains("floor"), "{lines}");
         let mut file = CaseFile::parse("case.toml", &case.to_toml()).unwrap();
@@ -241,13 +241,13 @@ mod tests {
             lines.contains("cycle = system.cycle(accuracy=\"default\")"),
             "{lines}"
         );
-        let mut sticks = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
-        sticks.set("adhesion.work=50mJ/m2").unwrap();
-        sticks.set("adhesion.floor=true").unwrap();
-        let told = python(&sticks.case().unwrap(), Question::Cycle);
+        let mut adhesive = CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap();
+        adhesive.set("adhesion.work=50mJ/m2").unwrap();
+        adhesive.set("adhesion.floor=true").unwrap();
+        let message = python(&adhesive.case().unwrap(), Question::Cycle);
         assert!(
-            told.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
-            "{told}"
+            message.contains("adhesion=fakir.Adhesion(work=\"50 mJ/m2\", floor=True),"),
+            "{message}"
         );
         let command = command(&case, Question::Cycle);
         assert!(command.contains("fakir cycle case.toml \\\n"), "{command}");

@@ -114,7 +114,7 @@ fn keys() -> Vec<Value> {
                 "greatest": bound(upper),
                 "usual": key.usual(),
                 "whole": key.is_whole(),
-                "endless": is_thickness(key),
+                "infinite": is_thickness(key),
                 "words": words(key),
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
@@ -162,8 +162,8 @@ mod tests {
         assert_eq!(ratio["usual"], json!([0.0, 0.5]));
         assert_eq!(key("pattern.surface_fraction")["label"], "surface fraction");
         assert_eq!(key("method.cells_per_diameter")["whole"], true);
-        assert_eq!(key("substrate.thickness")["endless"], true);
-        assert_eq!(radius["endless"], false);
+        assert_eq!(key("substrate.thickness")["infinite"], true);
+        assert_eq!(radius["infinite"], false);
         assert_eq!(start["paper"]["substrate.young_modulus"], 2e6);
         assert_eq!(key("lens.radius")["goes_with"], Value::Null);
         let form = key("method.form");

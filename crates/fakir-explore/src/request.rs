@@ -341,8 +341,8 @@ mod tests {
         );
         let sliding = Setting::Word("frictionless".to_owned());
         film.insert("substrate.base".to_owned(), sliding);
-        let told = serde_json::to_string(&case(&film).unwrap_err()).unwrap();
-        assert!(told.contains("\"key\":\"substrate.base\""), "{told}");
+        let message = serde_json::to_string(&case(&film).unwrap_err()).unwrap();
+        assert!(message.contains("\"key\":\"substrate.base\""), "{message}");
     }
 
     #[test]
@@ -350,12 +350,15 @@ mod tests {
         let mut dense = values(&Case::example());
         dense.insert("pattern.surface_fraction".to_owned(), Setting::Number(0.6));
         let refusal = case(&dense).unwrap_err();
-        let told = serde_json::to_string(&refusal).unwrap();
+        let message = serde_json::to_string(&refusal).unwrap();
         assert!(
-            told.contains("\"key\":\"pattern.surface_fraction\""),
-            "{told}"
+            message.contains("\"key\":\"pattern.surface_fraction\""),
+            "{message}"
         );
-        assert!(told.contains("with all else as it is, up to 0."), "{told}");
+        assert!(
+            message.contains("with all else as it is, up to 0."),
+            "{message}"
+        );
     }
 
     /// At the largest surface fraction, the expected number of pillars equals the allowed number.
@@ -372,8 +375,8 @@ mod tests {
         for text in ["\"\nlens.radius = 1", "\\", "\u{7f}\u{0}", "a\"b"] {
             let mut odd = values(&Case::example());
             odd.insert("method.name".to_owned(), Setting::Word(text.to_owned()));
-            let told = serde_json::to_string(&case(&odd).unwrap_err()).unwrap();
-            assert!(told.contains("\"key\":\"method.name\""), "{told}");
+            let message = serde_json::to_string(&case(&odd).unwrap_err()).unwrap();
+            assert!(message.contains("\"key\":\"method.name\""), "{message}");
         }
     }
 }

@@ -67,18 +67,18 @@ mod tests {
             let mut spectrum = values.clone();
             f64::forward(length).process(&mut spectrum);
             for (k, found) in spectrum.iter().enumerate() {
-                let wanted: Complex<f64> = values
+                let expected: Complex<f64> = values
                     .iter()
                     .enumerate()
                     .map(|(j, x)| {
                         x * Complex::from_polar(1.0, -TAU * (j * k) as f64 / length as f64)
                     })
                     .sum();
-                assert!((found - wanted).norm() < 1e-12 * length as f64);
+                assert!((found - expected).norm() < 1e-12 * length as f64);
             }
             f64::inverse(length).process(&mut spectrum);
-            for (found, wanted) in spectrum.iter().zip(&values) {
-                assert!((found / length as f64 - wanted).norm() < 1e-13);
+            for (found, expected) in spectrum.iter().zip(&values) {
+                assert!((found / length as f64 - expected).norm() < 1e-13);
             }
         }
     }
@@ -94,8 +94,8 @@ mod tests {
             let mut half = plan.make_output_vec();
             assert!(plan.process(&mut values.clone(), &mut half).is_ok());
             assert_eq!(half.len(), length / 2 + 1);
-            for (found, wanted) in half.iter().zip(&complex) {
-                assert!((found - wanted).norm() < 1e-5);
+            for (found, expected) in half.iter().zip(&complex) {
+                assert!((found - expected).norm() < 1e-5);
             }
             let plan = f32::real_inverse(length);
             let mut back = plan.make_output_vec();
@@ -104,8 +104,8 @@ mod tests {
                 half[length / 2].im = 0.0;
             }
             assert!(plan.process(&mut half, &mut back).is_ok());
-            for (found, wanted) in back.iter().zip(&values) {
-                assert!((found / length as f32 - wanted).abs() < 1e-6);
+            for (found, expected) in back.iter().zip(&values) {
+                assert!((found / length as f32 - expected).abs() < 1e-6);
             }
         }
     }

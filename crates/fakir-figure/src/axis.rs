@@ -97,7 +97,7 @@ impl Axis {
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                     (low.min(value), high.max(value))
                 });
-            with_room(self.scale, low, high)
+            with_padding(self.scale, low, high)
         });
         Span {
             scale: self.scale,
@@ -108,21 +108,21 @@ impl Axis {
 }
 
 /// Margin between the data and the ends of an axis, relative to the range of the data.
-const ROOM: f64 = 0.05;
+const PADDING: f64 = 0.05;
 
-fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
+fn with_padding(scale: Scale, low: f64, high: f64) -> [f64; 2] {
     if low > high {
         return [1.0, 10.0]; // no data
     }
     match scale {
         Scale::Logarithmic => {
-            let factor = (high / low).powf(ROOM).max(1.05);
+            let factor = (high / low).powf(PADDING).max(1.05);
             [low / factor, high * factor]
         }
         Scale::Linear => {
             let extent = high - low;
-            let room = if extent > 1e-12 * high.abs().max(low.abs()) {
-                ROOM * extent
+            let space = if extent > 1e-12 * high.abs().max(low.abs()) {
+                PADDING * extent
             } else if high == 0.0 {
                 1.0
             } else {
@@ -132,12 +132,12 @@ fn with_room(scale: Scale, low: f64, high: f64) -> [f64; 2] {
             let bottom = if low >= 0.0 && low < 0.3 * high {
                 0.0
             } else {
-                low - room
+                low - space
             };
             let top = if high <= 0.0 && high > 0.3 * low {
                 0.0
             } else {
-                high + room
+                high + space
             };
             [bottom, top]
         }
@@ -509,7 +509,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_hold_the_data() {
+    fn ranges_contain_the_data() {
         let data = || [0.5, 3.0, -1.0].into_iter();
         let span = Axis::linear("x").span(data());
         assert!(data().all(|value| span.holds(value)));

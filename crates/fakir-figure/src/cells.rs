@@ -23,7 +23,7 @@ pub struct SurfaceState<'a> {
 }
 
 /// Margin around the contact, in contact radii.
-const ROOM: f64 = 1.25;
+const PADDING: f64 = 1.25;
 
 /// Smallest fraction of a grid that is shown for a small contact.
 const LEAST: f64 = 0.2;
@@ -46,7 +46,7 @@ impl SurfaceState<'_> {
         match (self.contact.contact_radius, self.system.indenter()) {
             (Some(radius), Indenter::Lens(lens)) if !self.is_periodic() => {
                 let [x, y] = self.floor_contact.unwrap_or_default();
-                let wanted = ROOM * radius.max(x.hypot(y));
+                let wanted = PADDING * radius.max(x.hypot(y));
                 let half_width = wanted.max(LEAST * whole).min(whole);
                 ([0.0, 0.0], half_width.min(0.7 * lens.radius))
             }

@@ -171,14 +171,14 @@ impl Grid {
     }
 
     /// Width at the left of every column.
-    fn left_rooms(&self) -> Vec<f64> {
+    fn left_spaces(&self) -> Vec<f64> {
         (0..self.columns)
             .map(|column| {
                 (0..self.rows())
                     .filter_map(|row| {
                         let span = self.y_span(row, column)?;
                         let lettering = self.y_lettering(row, column);
-                        Some(Frame::left_room(span, self.heights[row], lettering))
+                        Some(Frame::left_space(span, self.heights[row], lettering))
                     })
                     .fold(0.0, f64::max)
             })
@@ -187,12 +187,12 @@ impl Grid {
 
     /// Frames of all charts, and the lower end of the last one with its labels.
     fn frames(&self) -> (Vec<Frame>, f64) {
-        let rooms = self.left_rooms();
+        let spaces = self.left_spaces();
         let between = if self.common_y { BETWEEN } else { RIGHT + 2.0 };
         let free = self.width
             - 2.0 * MARGIN
             - RIGHT
-            - rooms.iter().sum::<f64>()
+            - spaces.iter().sum::<f64>()
             - between * (self.columns - 1) as f64;
         let width = free / self.columns as f64;
         let mut frames = Vec::new();
@@ -204,13 +204,13 @@ impl Grid {
         for row in 0..self.rows() {
             let mut left = MARGIN;
             let mut below: f64 = 0.0;
-            for (column, room) in rooms.iter().enumerate() {
-                left += room;
+            for (column, space) in spaces.iter().enumerate() {
+                left += space;
                 if let Some((x, y)) = self.x_span(row, column).zip(self.y_span(row, column)) {
                     let bounds = Bounds::new(left, top, width, self.heights[row]);
                     frames.push(Frame { bounds, x, y });
                 }
-                below = below.max(Frame::bottom_room(self.x_lettering(row, column)));
+                below = below.max(Frame::bottom_space(self.x_lettering(row, column)));
                 left += width + between;
             }
             end = top + self.heights[row] + below;
@@ -257,11 +257,11 @@ impl Grid {
         let (mut told, mut left) = (Legend::default(), Legend::default());
         let remarks = self.coincidences(frames);
         for k in 0..self.charts.len() {
-            let own = Legend::of(&self.charts[k].series).without(&told);
+            let own = Legend::of(&self.charts[k].series).without(&shown);
             if own.is_empty() {
                 continue;
             }
-            told.extend(&own);
+            shown.extend(&own);
             let others = (0..self.charts.len()).filter(|other| *other != k);
             let holders: Vec<usize> = [k]
                 .into_iter()
@@ -336,7 +336,7 @@ impl Grid {
         if !self.tagged {
             return;
         }
-        let rooms = self.left_rooms();
+        let spaces = self.left_spaces();
         let columns = if self.common_y { 1 } else { self.columns };
         let tagged = (0..self.rows()).flat_map(|row| (0..columns).map(move |column| (row, column)));
         for ((row, column), letter) in tagged.zip('a'..='z') {

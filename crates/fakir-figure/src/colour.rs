@@ -8,7 +8,7 @@ use crate::scene::{Colour, Fill};
 
 /// Colour of a line or a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are explicit
 pub enum Tint {
     Blue,
     Vermillion,
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_stand_out_from_paper() {
+    fn lines_contrast_with_paper() {
         // W3C Web Content Accessibility Guidelines 2.1, 1.4.11, require a contrast ratio of 3 for
         // graphical objects. The two lightest tints come last and are never the only distinction.
         for tint in &Tint::ORDER[..3] {

@@ -16,7 +16,7 @@ pub enum FigureError {
         method: &'static str,
     },
     /// The floor is not in contact, or floor contact is ignored.
-    #[error("this figure shows what the floor bears, but in this state it bears nothing")]
+    #[error("this figure shows the load of the floor, which is zero in this state")]
     NoFloorContact,
     /// Too few data for the figure.
     #[error("this figure needs at least {fewest} values, but there are {given}")]
@@ -26,7 +26,7 @@ pub enum FigureError {
         /// Number given.
         given: usize,
     },
-    /// The caller asked to stop while fields were computed.
+    /// The computation of fields was cancelled.
     #[error(transparent)]
     Solve(#[from] SolveError),
 }

@@ -233,7 +233,7 @@ mod tests {
         let used = "abcXYZ0189 αβγδεζηθλμνξπρσφϕχψωΔΓΣΦΨΩ−×·√≤≥≈±∞′°µ–()[]{}%/=<>éïöü";
         for face in [Face::Upright, Face::Italic] {
             for character in used.chars() {
-                assert!(face.has(character), "{face:?} lacks {character}");
+                assert!(face.has(character), "{face:?} has no {character}");
             }
         }
     }

@@ -77,7 +77,7 @@ impl Frame {
     }
 
     /// Width required at the left of a frame of this height.
-    pub(crate) fn left_room(y: Span, height: f64, lettering: Lettering<'_>) -> f64 {
+    pub(crate) fn left_space(y: Span, height: f64, lettering: Lettering<'_>) -> f64 {
         let numbers = || {
             let ticks = y.ticks(height, TICK_SIZE, Direction::Upwards);
             let widths = ticks.iter().filter_map(|tick| tick.label.as_ref());
@@ -91,7 +91,7 @@ impl Frame {
     }
 
     /// Height required below a frame.
-    pub(crate) fn bottom_room(lettering: Lettering<'_>) -> f64 {
+    pub(crate) fn bottom_space(lettering: Lettering<'_>) -> f64 {
         match lettering {
             Lettering::None => 0.0,
             Lettering::Numbers => NUMBER_DROP + 1.0,
@@ -181,7 +181,7 @@ impl Frame {
             }
         }
         if let Lettering::All(name) = lettering {
-            let numbers = Self::left_room(self.y, self.bounds.height(), Lettering::Numbers);
+            let numbers = Self::left_space(self.y, self.bounds.height(), Lettering::Numbers);
             let at = [
                 self.bounds.left - numbers - NAME_GAP - DESCENT * LABEL_SIZE,
                 self.bounds.centre()[1],

@@ -40,8 +40,8 @@ impl Legend {
     }
 
     /// Removes the entries that another legend contains.
-    pub(crate) fn without(mut self, told: &Self) -> Self {
-        self.entries.retain(|entry| !told.entries.contains(entry));
+    pub(crate) fn without(mut self, shown: &Self) -> Self {
+        self.entries.retain(|entry| !shown.entries.contains(entry));
         self
     }
 
@@ -153,11 +153,11 @@ pub(crate) fn place_where(
     accepted: impl Fn(&Bounds) -> bool,
 ) -> Option<Place> {
     const STEPS: i32 = 24;
-    let room = [
+    let space = [
         frame.width() - size[0] - 2.0 * MARGIN,
         frame.height() - size[1] - 2.0 * MARGIN,
     ];
-    if room.iter().any(|room| *room < 0.0) {
+    if space.iter().any(|space| *space < 0.0) {
         return None;
     }
     let mut shares: Vec<[f64; 2]> = (0..=STEPS)
@@ -168,8 +168,8 @@ pub(crate) fn place_where(
         .into_iter()
         .map(|[x, y]| {
             [
-                frame.left + MARGIN + x * room[0],
-                frame.top + MARGIN + y * room[1],
+                frame.left + MARGIN + x * space[0],
+                frame.top + MARGIN + y * space[1],
             ]
         })
         .find(|[x, y]| accepted(&Bounds::new(*x, *y, size[0], size[1]).grown(CLEARANCE)))

@@ -189,7 +189,7 @@ impl Sheet {
         let guess = Window::new([0.0, 0.0], 0.6 * COLUMN, centre, half_width);
         let name = guess.axis_name("y");
         let lettering = Lettering::All(&name);
-        let left = MARGIN + Frame::left_room(guess.frame.y, 0.6 * COLUMN, lettering);
+        let left = MARGIN + Frame::left_space(guess.frame.y, 0.6 * COLUMN, lettering);
         let beside = |height: f64| COLUMN - left - 6.0 - bar.width(height) - MARGIN;
         // The numbers on the bar depend on its height, which is the height of the window.
         let side = beside(0.6 * COLUMN);
@@ -248,7 +248,7 @@ pub(crate) fn view_from_above(
 const SCALE_BAR_DROP: f64 = 8.0;
 
 /// Height below a window for its scale bar.
-pub(crate) const SCALE_BAR_ROOM: f64 = 12.5;
+pub(crate) const SCALE_BAR_SPACE: f64 = 12.5;
 
 /// Largest number of the form 1, 2 or 5 times a power of ten that is at most `value`.
 fn round_down(value: f64) -> f64 {

@@ -343,15 +343,15 @@ fn part_within(a: Place, b: Place, bounds: &Bounds) -> Option<[f64; 2]> {
         (a[1] - b[1], a[1] - bounds.top),
         (b[1] - a[1], bounds.bottom - a[1]),
     ];
-    for (step, room) in sides {
+    for (step, space) in sides {
         if step == 0.0 {
-            if room < 0.0 {
+            if space < 0.0 {
                 return None;
             }
         } else if step < 0.0 {
-            enter = enter.max(room / step);
+            enter = enter.max(space / step);
         } else {
-            leave = leave.min(room / step);
+            leave = leave.min(space / step);
         }
     }
     (enter <= leave).then_some([enter, leave])
@@ -398,11 +398,11 @@ fn polygon_within(places: &[Place], bounds: &Bounds) -> Vec<Place> {
     sides
         .into_iter()
         .fold(places.to_vec(), |corners, (direction, inwards, side)| {
-            let room = |place: Place| inwards * (place[direction] - side);
+            let space = |place: Place| inwards * (place[direction] - side);
             let mut kept = Vec::new();
             let before = corners.iter().cycle().skip(corners.len().saturating_sub(1));
             for (from, to) in before.zip(&corners) {
-                let (start, end) = (room(*from), room(*to));
+                let (start, end) = (space(*from), space(*to));
                 if (start < 0.0) != (end < 0.0) {
                     kept.push(between(*from, *to, start / (start - end)));
                 }

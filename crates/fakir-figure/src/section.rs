@@ -270,7 +270,7 @@ mod tests {
 
     /// Along x, pillars are sqrt(3) pitches apart; with the axis on a pillar, one is in the middle.
     #[test]
-    fn pillars_are_cut_where_they_stand() {
+    fn pillars_are_cut_at_their_positions() {
         let state = fakir::press(
             &system(0.0),
             Load::Indentation(0.0),

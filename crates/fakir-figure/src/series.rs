@@ -7,7 +7,7 @@ use crate::text::Text;
 
 /// Pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are explicit
 pub enum Dash {
     Solid,
     Dashed,
@@ -41,7 +41,7 @@ impl Dash {
 
 /// Shape of a data point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // the names say it
+#[allow(missing_docs)] // the names are explicit
 pub enum Marker {
     Disc,
     Square,

@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn width_is_the_sum_of_runs_and_holds_the_ink() {
+    fn width_is_the_sum_of_runs_and_contains_the_ink() {
         let text = Text::from("10^{-3}");
         let ten = Text::from("10").width();
         let exponent = Text::from("−3").width();

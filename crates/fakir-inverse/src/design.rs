@@ -331,7 +331,7 @@ impl Answer {
             Design::Jump(sides) => {
                 let [a, b] = sides.as_ref();
                 format!(
-                    "No {path} gives a {name} of {wanted}: at {} it jumps from {} to {}",
+                    "A {name} of {wanted} is unattainable with {path}: at {} it jumps from {} to {}",
                     self.value(nearest),
                     self.answer_of(a),
                     self.answer_of(b)
@@ -340,20 +340,20 @@ impl Answer {
             Design::OutOfReach { limit, reach, .. } => {
                 let reach = reach.map_or(String::new(), |ends| {
                     let [least, greatest] = ends.map(|end| with_unit(end, Dimension::Force, 3));
-                    format!("it is from {least} to {greatest}, and ")
+                    format!("it ranges from {least} to {greatest}, and ")
                 });
                 let why = match limit {
-                    Limit::Range => "which is as near as it comes".to_owned(),
+                    Limit::Range => String::new(),
                     Limit::FloorFirst => {
-                        "beyond which the lens meets the floor before any pillar".to_owned()
+                        ", beyond which the lens reaches the floor before any pillar".to_owned()
                     }
-                    Limit::Solver(error) => format!("beyond which {error}"),
+                    Limit::Solver(error) => format!(", beyond which {error}"),
                     Limit::ManyPillars => format!(
-                        "beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
+                        ", beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
                     ),
                 };
                 format!(
-                    "No {path} gives a {name} of {wanted}: {reach}the nearest is {}, at {}, {why}",
+                    "A {name} of {wanted} is unattainable with {path}: {reach}the closest attainable value is {}, at {}{why}",
                     self.answer_of(nearest),
                     self.value(nearest),
                 )
@@ -366,7 +366,7 @@ impl Answer {
     pub fn caution(&self) -> Option<String> {
         match &self.design {
             Design::Found { sensitivity, .. } if sensitivity.abs() < INSENSITIVE => Some(format!(
-                "the {} hardly depends on {} there: other values do as well",
+                "the {} hardly depends on {} there: other values give nearly the same",
                 self.wanted.name(),
                 self.free.path()
             )),
@@ -385,27 +385,25 @@ pub enum DesignError {
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// A key that cannot be free.
-    #[error("{} cannot be sought: give one of {}", .0.path(), free_names())]
+    #[error("{} cannot be free: give one of {}", .0.path(), free_names())]
     NotFree(Key),
     /// Invalid target.
-    #[error("the wanted {} must be greater than 0", .0.name())]
+    #[error("the target {} must be greater than 0", .0.name())]
     NotPositive(Wanted),
     /// Invalid floor share.
-    #[error("the wanted floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
+    #[error("the target floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
     NotAShare(f64),
     /// A floor share without a valid load.
-    #[error(
-        "a floor share is wanted at a load: give a force or an indentation that is a number greater than 0"
-    )]
+    #[error("a floor share needs a load: give a force or an indentation greater than 0")]
     NotALoad,
     /// A pull-off force without adhesion.
     #[error(
-        "a pull-off force needs pillar tops that stick: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
+        "a pull-off force needs adhesive pillar tops: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
     )]
     NoAdhesion,
     /// Too many pillars in contact for an initial cycle.
     #[error(
-        "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: begin with another {}", .0.path()
+        "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: start with another {}", .0.path()
     )]
     TooManyPillars(Key),
     /// A solution that did not converge stopped the search.
@@ -462,7 +460,7 @@ fn free_names() -> String {
 /// Relative deviation from the target at which a search ends.
 pub const TOLERANCE: f64 = 1e-9;
 
-/// Relative width of a bracket below which a target that is still not met is inside a jump.
+/// Relative width of a bracket below which a target that is not met is considered to be inside a jump.
 const JUMP: f64 = 1e-12;
 
 /// The same for floor shares, which jump by their error where the grid on the floor changes, and for pull-off
@@ -845,8 +843,8 @@ impl Search<'_> {
         }
     }
 
-    /// The candidate solved with the method of the case, if the search used an estimate. If the
-    /// contact is slightly wider than estimated and cannot be solved, a nearby candidate.
+    /// Solves the candidate with the method of the case, if the search used an estimate. Returns a nearby
+    /// candidate if the contact is slightly wider than estimated and cannot be solved.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
         if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
             return Ok(candidate);
@@ -1165,7 +1163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_contact_radius_can_be_wanted_and_a_key_be_missing() {
+    fn a_contact_radius_can_be_the_target_and_a_key_can_be_missing() {
         let text = Case::example().to_toml();
         let without: String = text
             .lines()
@@ -1220,7 +1218,7 @@ mod tests {
     fn found(file: &CaseFile, free: Key, wanted: Wanted) -> Candidate {
         match design(file, free, wanted, &Run::default()).unwrap() {
             Design::Found { candidate, .. } => candidate,
-            other => panic!("{wanted:?} can be had, but: {other:?}"),
+            other => panic!("{wanted:?} is attainable, but: {other:?}"),
         }
     }
 
@@ -1293,7 +1291,7 @@ mod tests {
     /// A contact with all lengths larger by a factor of a thousand and a force larger by a million is
     /// equivalent.
     #[test]
-    fn a_floor_share_knows_no_scale() {
+    fn a_floor_share_is_independent_of_scale() {
         const TIMES: f64 = 1000.0;
         let small = paper(0.03);
         let mut large = small.clone();
@@ -1351,27 +1349,36 @@ mod tests {
         };
         let file = paper(0.03);
         for share in [0.0, 1.0, -0.1, 20.0, f64::NAN] {
-            let told = refused(&file, share, Load::Force(1e-3));
-            assert!(told.contains("greater than 0 and less than 1"), "{told}");
+            let message = refused(&file, share, Load::Force(1e-3));
+            assert!(
+                message.contains("greater than 0 and less than 1"),
+                "{message}"
+            );
         }
         let infinite = Load::Indentation(f64::INFINITY);
         for load in [Load::FloorContact, Load::Force(0.0), infinite] {
-            let told = refused(&file, 0.2, load);
-            assert!(told.contains("give a force or an indentation"), "{told}");
+            let message = refused(&file, 0.2, load);
+            assert!(
+                message.contains("give a force or an indentation"),
+                "{message}"
+            );
         }
         let mut other = file.case().unwrap();
         other.method = Method::Homogenised;
         let other = CaseFile::parse("homogenised", &other.to_toml()).unwrap();
-        let told = refused(&other, 0.2, Load::Force(1e-3));
-        assert!(told.contains("this method ignores the floor"), "{told}");
+        let message = refused(&other, 0.2, Load::Force(1e-3));
+        assert!(
+            message.contains("this method ignores the floor"),
+            "{message}"
+        );
         let mut ignored = file.case().unwrap();
         ignored.system = ignored
             .system
             .with_floor(fakir::problem::FloorModel::Ignored);
         let ignored = ignored.to_toml();
         let ignored = CaseFile::parse("ignored", &ignored).unwrap();
-        let told = refused(&ignored, 0.2, Load::Force(1e-3));
-        assert!(told.contains("the floor is ignored"), "{told}");
+        let message = refused(&ignored, 0.2, Load::Force(1e-3));
+        assert!(message.contains("the floor is ignored"), "{message}");
     }
 
     /// The cycle of the case file of the result has the target pull-off force to within its numerical error.
@@ -1401,15 +1408,15 @@ mod tests {
         let file = paper(0.005);
         let refused = design(&file, Key::PillarHeight, Wanted::PullOff(1e-6), &run);
         assert!(matches!(refused, Err(DesignError::NoAdhesion)));
-        let mut sticky = file.clone();
-        sticky.set("adhesion.work=50mJ/m2").unwrap();
+        let mut adhesive = file.clone();
+        adhesive.set("adhesion.work=50mJ/m2").unwrap();
         // For increasingly stiff pillars under a soft lens the pull-off force approaches a limit.
         let free = Key::SubstrateYoungModulus;
         let wanted = Wanted::PullOff(1.0);
         let answer = Answer {
             free,
             wanted,
-            design: design(&sticky, free, wanted, &run).unwrap(),
+            design: design(&adhesive, free, wanted, &run).unwrap(),
         };
         let Design::OutOfReach { nearest, reach, .. } = &answer.design else {
             panic!("1 N cannot be had: {answer:?}");
@@ -1418,10 +1425,11 @@ mod tests {
         let nearest = wanted.of(&nearest.reached);
         assert!(0.0 < least && least < greatest && nearest <= greatest && greatest < 1.0);
         assert!(nearest > 0.99 * greatest, "{nearest:e} of {greatest:e}");
-        let told = answer.statement();
+        let message = answer.statement();
         assert!(
-            told.contains("it is from ") && told.contains("the nearest is"),
-            "{told}"
+            message.contains("it ranges from ")
+                && message.contains("the closest attainable value is"),
+            "{message}"
         );
     }
 
@@ -1439,10 +1447,10 @@ mod tests {
             assert!(state.floor.is_none() && state.smallest_floor_gap < 0.0);
             assert!(wanted.excess(&Reached::Pressed(state)) <= -1.0);
             for free in [Key::PillarHeight, Key::Pitch] {
-                let told = design(&file, free, wanted, &Run::default()).unwrap_err();
+                let message = design(&file, free, wanted, &Run::default()).unwrap_err();
                 assert!(
-                    told.to_string().contains("the floor carries no load"),
-                    "{told}"
+                    message.to_string().contains("the floor carries no load"),
+                    "{message}"
                 );
             }
         }
@@ -1538,7 +1546,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_asked_is_refused() {
+    fn invalid_questions_are_refused() {
         let run = Run::default();
         let file = paper(0.01);
         let refused = design(&file, Key::Offset, Wanted::Force(1e-5), &run);

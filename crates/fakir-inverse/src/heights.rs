@@ -211,8 +211,8 @@ impl HeightDesign {
 pub enum HeightDesignError {
     /// No loads, or loads or values that are not positive, not finite, or not in increasing order.
     #[error(
-        "point {number} (counted from 0) of the wanted curve is a load of {load} and a value of {value}: loads and values must be finite and above 0, and \
-         loads rise"
+        "point {number} (counted from 0) of the target curve is a load of {load} and a value of {value}: loads and values must be finite and above 0, and \
+         loads must increase"
     )]
     WantedPoint {
         /// Index of the load.
@@ -223,12 +223,12 @@ pub enum HeightDesignError {
         value: f64,
     },
     /// No target.
-    #[error("the wanted curve has no points: give one at least")]
+    #[error("the target curve has no points: give at least one")]
     NoPoints,
     /// A curve that does not increase.
     #[error(
-        "the wanted {} does not rise from {before:e} to {value:e} between the {} {from:e} and {load:e} (SI units): contacts only \
-         grow with the load; the nearest that can be had is a curve that rises little there", .curve.value_name(), .curve.load_name()
+        "the target {} does not increase from {before:e} to {value:e} between the {} {from:e} and {load:e} (SI units): contacts only \
+         grow with the load; give a curve that increases slightly there", .curve.value_name(), .curve.load_name()
     )]
     Falls {
         /// Which curve.
@@ -246,16 +246,16 @@ pub enum HeightDesignError {
     },
     /// An area under a force that is unattainable with these asperities for any heights.
     #[error(
-        "an area of {value:e} m^2 is wanted under a force of {load:e} N: whatever their heights, these {asperities} asperities have from \
-         {least:.4e} m^2, where one bears it all, to {most:.4e} m^2, where all bear the same; other areas take another radius of curvature, \
-         another number of asperities or another modulus"
+        "an area of {value:e} m^2 under a force of {load:e} N is unattainable: for any heights, the area of these {asperities} asperities is from \
+         {least:.4e} m^2, if one carries the load, to {most:.4e} m^2, if all carry the same; change the radius of curvature, \
+         the number of asperities or the modulus"
     )]
     AreaOutOfReach {
         /// Index of the point, from 0.
         number: usize,
         /// Its force, N.
         load: f64,
-        /// The wanted area, m^2.
+        /// The target area, m^2.
         value: f64,
         /// Number of asperities.
         asperities: usize,
@@ -270,7 +270,7 @@ pub enum HeightDesignError {
     /// The start cannot be solved.
     #[error("the heights that independent asperities would need cannot be solved: {0}")]
     Start(#[source] SolveError),
-    /// The caller asked to stop.
+    /// The computation was cancelled.
     #[error("interrupted")]
     Interrupted,
 }

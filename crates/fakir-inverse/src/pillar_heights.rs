@@ -15,7 +15,7 @@ const COLUMN_ROUNDS: usize = 6;
 const SAME_COMPLIANCE: f64 = 1e-7;
 
 /// Relative height of the lowest pillar above the floor that the advised common height leaves.
-const ROOM: f64 = 1.05;
+const MARGIN: f64 = 1.05;
 
 /// Designed pillars.
 #[derive(Debug, Clone)]
@@ -94,7 +94,7 @@ pub fn design_pillars(
         if case.height + lowest <= 0.0 {
             return Err(PillarHeightsError::BelowFloor {
                 lowest: case.height + lowest,
-                needed: -ROOM * lowest,
+                needed: -MARGIN * lowest,
             });
         }
         let made = case

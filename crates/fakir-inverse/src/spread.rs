@@ -475,7 +475,7 @@ fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, Solve
     }
     let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
     let detached =
-        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not come off again".to_owned());
+        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not detach".to_owned());
     Ok(cycle.problem().map_or_else(detached, Err))
 }
 
@@ -588,7 +588,7 @@ impl Spread {
                 critical.contact_radius
             }),
         ]);
-        if self.sticks() {
+        if self.is_adhesive() {
             let pulled = |name: &str, of: fn(&PullOff) -> f64| {
                 let value = |sample: &Sample| Some(of(&sample.outcome.as_ref().ok()?.pull_off?));
                 numbers(name.to_owned(), samples().map(value).collect())
@@ -635,8 +635,15 @@ impl Spread {
 
     /// Whether the samples were unloaded.
     #[must_use]
-    pub fn sticks(&self) -> bool {
+    pub fn is_adhesive(&self) -> bool {
         self.found().any(|critical| critical.pull_off.is_some())
+    }
+
+    /// Former name of [`is_adhesive`](Self::is_adhesive).
+    #[deprecated(note = "renamed to `is_adhesive`")]
+    #[must_use]
+    pub fn sticks(&self) -> bool {
+        self.is_adhesive()
     }
 
     fn summary_of(mut values: Vec<f64>) -> Option<Summary> {
@@ -831,7 +838,7 @@ mod tests {
 
     /// Different pillars are missing in each sample.
     #[test]
-    fn pillars_are_missing_anew_in_every_sample() {
+    fn vacancies_are_redrawn_in_every_sample() {
         let sampling = sampling(Vec::new(), Landing::AsGiven, 8);
         let spread = spread(&scattered(0.0, 0.1), &sampling, &Run::default(), &|_| {}).unwrap();
         let forces: Vec<f64> = spread.found().map(|critical| critical.force).collect();

@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn columns_in_any_order_and_unit() {
-        let target = read("# wanted\narea_um2, force_mN\n20,2\n10,1\n").unwrap();
+        let target = read("# target\narea_um2, force_mN\n20,2\n10,1\n").unwrap();
         assert_eq!(target.curve, Curve::AreaOfForce);
         let [one, other] = target.points[..] else {
             panic!("two points")
@@ -224,9 +224,9 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_told_with_its_line() {
+    fn errors_state_their_line() {
         let wrong = |text: &str| read(text).unwrap_err();
-        for (text, told) in [
+        for (text, message) in [
             (
                 "force,area\n1,1\n",
                 "curve.csv:1: there is no column \"force\"",
@@ -249,7 +249,7 @@ mod tests {
             ),
             ("force_mN,area_um2\n1,1,3\n", "curve.csv:2"),
         ] {
-            assert!(wrong(text).contains(told), "{}", wrong(text));
+            assert!(wrong(text).contains(message), "{}", wrong(text));
         }
     }
 }

@@ -225,7 +225,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_with_known_scatter() {
+    fn a_line_with_given_scatter() {
         // Computed by hand: x = 0, 1, 2, 3, y = 0, 1, 1, 2 has slope 0.6, intercept 0.1, residual
         // sum of squares 0.2, so a standard error of sqrt(0.1/5), and t(0.975, 2) = 4.302653.
         let points = [[0.0, 0.0], [1.0, 1.0], [2.0, 1.0], [3.0, 2.0]];

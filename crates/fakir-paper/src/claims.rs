@@ -349,7 +349,7 @@ fn offsets_merge(grid: &Grid, quantity: Quantity) -> Option<Claim> {
             "indentation-offsets",
         ),
         _ => (
-            "From a surface fraction of 0.01 on, curves of different δx cannot be told apart.",
+            "From a surface fraction of 0.01 on, curves of different δx cannot be distinguished.",
             "force-offsets",
         ),
     };
@@ -515,7 +515,7 @@ fn large_contact_force(grid: &Grid) -> Result<Option<Claim>, CaseError> {
         ),
         verdict: Verdict::Partly,
         reason: "Right to a factor of two. Closing the system with a_c of the large-contact limit \
-                 leaves out how the layer of pillars shares the load; the homogenised lattice, \
+                 neglects how the layer of pillars distributes the load; the homogenised lattice, \
                  without any fitted number, is within 1 % from 0.1 on."
             .to_owned(),
         numbers: numbers_at("large_contact_force_deviation", &deviations),
@@ -702,8 +702,8 @@ fn transition_curve(grid: &Grid) -> Result<Option<Claim>, CaseError> {
         ),
         verdict: Verdict::Partly,
         reason: "On logarithmic axes the curve separates the regions. It takes Hertz-like forces \
-                 and leaves out that neighbours lift the central pillar the more the closer they \
-                 stand."
+                 and neglects that neighbours deform the surface at the central pillar, the more \
+                 the closer they are."
             .to_owned(),
         numbers: vec![
             ("transition_curve_ratio_low".to_owned(), low.0),
@@ -731,9 +731,9 @@ fn mixed_contact(state: &ContactState) -> Option<Claim> {
                 its axis, the floor between them (a sketch, figure 2b)."
             .to_owned(),
         finding: format!(
-            "Intermediate substrate, φ = {}, at {} of the critical indentation: the floor bears {} of \
+            "Intermediate substrate, φ = {}, at {} of the critical indentation: the floor carries {} of \
              the load on {} µm², out to {} of the radius of the contact on the tops; a ring of {} µm \
-             or more around every pillar stays free.",
+             or more around every pillar remains free.",
             short(state.system.pattern().surface_fraction()),
             short(PAST),
             percent(floor.share),
@@ -851,7 +851,7 @@ fn dense_patterns(grid: &Grid) -> Option<Claim> {
         if beyond {
             ""
         } else {
-            "; `fakir reproduce paper --dense` goes on to 0.29"
+            "; `fakir reproduce paper --dense` continues to 0.29"
         }
     );
     Some(Claim {

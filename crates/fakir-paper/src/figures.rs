@@ -243,7 +243,7 @@ fn curves(material: Material<'_>) -> Result<Plate, DrawingError> {
         "critical-curves",
         "Critical force, contact radius and indentation over the surface fraction",
         "Reduced critical force, contact radius and indentation against the surface fraction, for \
-         six places where the lens may land and three substrates; with the paper's formulas for \
+         six positions of the lens axis and three substrates; with the paper's formulas for \
          small and large contacts as printed, and the homogenised lattice. Where a curve has no \
          force, the lens meets the floor before any pillar.",
     ))

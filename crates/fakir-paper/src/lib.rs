@@ -3,10 +3,10 @@
 //!
 //! [`reproduce`] writes the results to a folder:
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `critical-states/` | a [sweep](fakir_study::sweep_into) over substrates, offsets and surface fractions |
-//! | `dense-states/` | the same up to a surface fraction of 0.29, if asked for |
+//! | `dense-states/` | the same up to a surface fraction of 0.29, on request |
 //! | `tables/` | the numbers of claims, power laws, loading paths and pillars |
 //! | `figures/` | every figure as SVG and PNG |
 //! | `report.html` | claims, figures and numbers on one page |
@@ -140,9 +140,9 @@ pub fn reproduce(
 ) -> Result<Reproduction, PaperError> {
     prepare(folder, existing, &[CRITICAL_STATES, DENSE_STATES])?;
     let mut damaged = Vec::new();
-    let mut sweep = |fractions, name, tell: fn(fakir_study::Progress) -> Progress| {
+    let mut sweep = |fractions, name, report: fn(fakir_study::Progress) -> Progress| {
         let study = grid::study(fractions)?;
-        let listener = |progress| on_progress(tell(progress));
+        let listener = |progress| on_progress(report(progress));
         let summary = swept(&study, &folder.join(name), existing, run, &listener)?;
         damaged.extend(summary.damaged);
         Ok::<_, PaperError>((study, summary.rows))
@@ -220,9 +220,9 @@ fn swept(
     folder: &Path,
     existing: Existing,
     run: &Run<'_>,
-    tell: &dyn Fn(fakir_study::Progress),
+    report: &dyn Fn(fakir_study::Progress),
 ) -> Result<Summary, StudyError> {
-    let mut listener = |progress| tell(progress);
+    let mut listener = |progress| report(progress);
     let mut options = fakir_study::Options {
         threads: run.pool.map_or(1, rayon::ThreadPool::current_num_threads),
         cancel: run.cancel.clone(),

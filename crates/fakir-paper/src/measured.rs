@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_names_the_line() {
-        for (text, told) in [
+        for (text, message) in [
             ("surface_fraction\n0.01\nmuch\n", "points.csv:3: "),
             (
                 "surface_fraction,substrate\n0.01,rubber\n",
@@ -146,7 +146,7 @@ mod tests {
         ] {
             let (_folder, path) = file(text);
             let error = read(&path).unwrap_err().to_string();
-            assert!(error.contains(told), "{error}");
+            assert!(error.contains(message), "{error}");
         }
     }
 }

@@ -52,7 +52,7 @@ code{font-family:ui-monospace,monospace;font-size:.92em;background:#f3f3f3;paddi
 const SYMBOLS: [(&str, &str); 14] = [
     (
         "φ",
-        "surface fraction: part of the surface that is pillar top",
+        "surface fraction: fraction of the surface covered by pillar tops",
     ),
     (
         "e, d, h",
@@ -79,7 +79,7 @@ const SYMBOLS: [(&str, &str); 14] = [
     ),
     (
         "γ_int",
-        "compliance of a lone pillar with the lens: it gives way by γ_int F/d",
+        "compliance of a single pillar and the lens: compression γ_int F/d",
     ),
     (
         "k",
@@ -114,7 +114,7 @@ impl Report<'_> {
     #[must_use]
     pub fn html(&self) -> String {
         page(
-            "The unhappy elastic fakir, computed anew",
+            "The unhappy elastic fakir, reproduced",
             &html! {
                 (self.head())
                 (symbols(&SYMBOLS))
@@ -130,7 +130,7 @@ impl Report<'_> {
     fn head(&self) -> Markup {
         let count = |verdict| self.claims.iter().filter(|c| c.verdict == verdict).count();
         html! {
-            h1 { "The unhappy elastic fakir, computed anew" }
+            h1 { "The unhappy elastic fakir, reproduced" }
             p {
                 "Every result of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, "
                 a href="https://doi.org/10.1103/PhysRevE.104.055007" {
@@ -178,8 +178,8 @@ impl Report<'_> {
         html! {
             h2 { "Power laws in the surface fraction" }
             p {
-                "Exponents by least squares in logarithms, lens axis on a pillar, and how far the curve \
-                 is from the power law at most. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
+                "Exponents by least squares in logarithms, lens axis on a pillar, and the largest deviation of \
+                 the curve from the power law. Printed: the paper's large-contact formulas far beyond kφ = 1. Dense: the \
                  limit of a lens on a bare half-space."
             }
             div.scroll { table {

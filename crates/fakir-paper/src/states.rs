@@ -69,7 +69,7 @@ pub const PAST: f64 = 1.5;
 /// Surface fractions of the lines of equal share.
 pub const MIXED: [f64; 5] = [0.001, 0.003, 0.01, 0.03, 0.08];
 
-/// Shares of the floor on these lines.
+/// Fractions of the load carried by the floor on these lines.
 pub const SHARES: [f64; 3] = [0.1, 0.3, 0.5];
 
 /// Surface fraction of the sections and the maps of the floor gap.

@@ -45,7 +45,7 @@ pub(crate) fn design(
             share,
             load: load(indentation, force)?,
         },
-        _ => return Err(value_error("give one of what can be wanted")),
+        _ => return Err(value_error("give exactly one target")),
     };
     warn_of_former_name(py, free)?;
     let file = case.file()?;

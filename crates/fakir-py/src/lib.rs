@@ -54,12 +54,12 @@ mod _fakir {
     };
     #[pymodule_export]
     use super::theory::{
-        adhesion, annulus_coefficients, annulus_radius, closed_form, closed_forms,
+        adhesion, adhesive_sphere, annulus_coefficients, annulus_radius, closed_form, closed_forms,
         collapse_threshold, collapsed_cycle, constants, exact_lattice_sums, fitted_lattice_sums,
         free_annulus, groove_energy, groove_threshold, hertz_contact_radius, hollow_potential,
         homogenised, inverse_power_sum, largest_tension, lattice_potential, net_work, phase,
-        site_potential, sticky_sphere, stuck_floor_pull_off, sum_coefficients, theory,
-        transition_force, transition_from_exact_sums,
+        site_potential, stuck_floor_pull_off, sum_coefficients, theory, transition_force,
+        transition_from_exact_sums,
     };
     #[pymodule_export]
     use super::watched::threads_warning;

@@ -7,14 +7,14 @@ use fakir::problem::{InvalidQuantity, System, Unsupported};
 use fakir::solve::collapsed_floor::{CollapsedCycle, CollapsedFloor};
 use fakir::solve::homogenised::HomogenisedLattice;
 use fakir::state::SolveError;
-use fakir::theory::adhesion::sticky_sphere_at_indentation;
+use fakir::theory::adhesion::adhesive_sphere_at_indentation;
 use fakir::theory::closed_forms as forms;
 use fakir::theory::closed_forms::{Region, TransitionEstimate};
 use fakir::theory::lattice_potential as potential;
 use fakir::theory::lattice_sums;
 use fakir::theory::lattice_sums::{LatticeSums, SumCoefficients, SumFit};
 use fakir::theory::stuck_floor::{
-    AnnulusCoefficients, AnnulusEdge, Grooves, StuckFloor, StuckPillar,
+    AdhesiveFloor, AnnulusCoefficients, AnnulusEdge, BondedFloorPillar, Grooves,
 };
 use fakir_study::closed_forms::{Formula, check_arrangement};
 use fakir_study::result::{AdhesionObject, TheorySummary, json};
@@ -213,7 +213,7 @@ type Annulus = (f64, f64, f64, f64, f64, f64, f64);
 /// The detached annulus of a radius (m) under a remote pressure (Pa).
 #[pyfunction]
 pub(crate) fn free_annulus(case: &Case, outer_radius: f64, pressure: f64) -> PyResult<Annulus> {
-    let pillar = StuckPillar::of(&case.case.system);
+    let pillar = BondedFloorPillar::of(&case.case.system);
     let found = pillar.annulus(outer_radius, pressure).map_err(invalid)?;
     Ok((
         found.outer_radius,
@@ -230,7 +230,7 @@ pub(crate) fn free_annulus(case: &Case, outer_radius: f64, pressure: f64) -> PyR
 /// it is unstable.
 #[pyfunction]
 pub(crate) fn annulus_radius(case: &Case, work: f64, pressure: f64) -> PyResult<f64> {
-    let pillar = StuckPillar::of(&case.case.system);
+    let pillar = BondedFloorPillar::of(&case.case.system);
     Ok(match pillar.edge(work, pressure).map_err(invalid)? {
         AnnulusEdge::At(radius) => radius,
         AnnulusEdge::Closed => pillar.radius(),
@@ -241,14 +241,14 @@ pub(crate) fn annulus_radius(case: &Case, work: f64, pressure: f64) -> PyResult<
 /// Largest tension (Pa) under which an annulus is stable, and its radius (m) there.
 #[pyfunction]
 pub(crate) fn largest_tension(case: &Case, work: f64) -> PyResult<(f64, f64)> {
-    StuckPillar::of(&case.case.system)
+    BondedFloorPillar::of(&case.case.system)
         .largest_tension(work)
         .map_err(invalid)
 }
 
 /// The adhesive floor of a case.
-fn floor_of(case: &Case) -> PyResult<StuckFloor> {
-    StuckFloor::of(&case.case.system).map_err(|error| value_error(error.to_string()))
+fn floor_of(case: &Case) -> PyResult<AdhesiveFloor> {
+    AdhesiveFloor::of(&case.case.system).map_err(|error| value_error(error.to_string()))
 }
 
 /// Work (J/m^2) above which the flat lattice collapses, and radius of its annuli (m).
@@ -273,7 +273,7 @@ pub(crate) fn stuck_floor_pull_off(case: &Case, work: f64) -> PyResult<Option<f6
 
 /// Radius (m), force (N) and indentation (m) of an adhesive sphere of a radius (m), at an indentation; `None` after detachment.
 #[pyfunction]
-pub(crate) fn sticky_sphere(
+pub(crate) fn adhesive_sphere(
     case: &Case,
     work: f64,
     radius: f64,
@@ -281,7 +281,7 @@ pub(crate) fn sticky_sphere(
 ) -> PyResult<Option<(f64, f64, f64)>> {
     let modulus = case.case.system.reduced_modulus();
     let found =
-        sticky_sphere_at_indentation(modulus, radius, work, indentation).map_err(invalid)?;
+        adhesive_sphere_at_indentation(modulus, radius, work, indentation).map_err(invalid)?;
     Ok(found.map(|it| (it.radius, it.force, it.indentation)))
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn watched<T: Send>(
         Python::attach(|py| {
             py.check_signals()?;
             let news = latest.lock().ok().and_then(|mut latest| latest.take());
-            tell(py, options.progress.as_ref(), news)
+            report(py, options.progress.as_ref(), news)
         })
     };
     py.detach(|| stoppable(&cancel, || work(&run), look))
@@ -160,7 +160,7 @@ fn wait<T, E>(
     }
 }
 
-fn tell(py: Python<'_>, listener: Option<&Py<PyAny>>, news: Option<Progress>) -> PyResult<()> {
+fn report(py: Python<'_>, listener: Option<&Py<PyAny>>, news: Option<Progress>) -> PyResult<()> {
     if let (Some(listener), Some(progress)) = (listener, news) {
         let stage = progress.stage.description();
         listener.call1(

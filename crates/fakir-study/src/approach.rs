@@ -94,7 +94,7 @@ pub enum ApproachError {
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// The loading ends at a critical state that does not exist.
-    #[error("the end of the loading is not known: {why}; or give the last indentation (to)")]
+    #[error("the loading has no end: {why}; or give the last indentation (to)")]
     NoEnd {
         /// Why there is no critical state.
         why: &'static str,
@@ -139,7 +139,7 @@ fn rounded_length(value: f64) -> String {
     with_unit(value, Dimension::Length, DIGITS)
 }
 
-/// That a solver has no answer to a question, whatever the problem is.
+/// The reason that a solver does not support a question for any problem.
 pub(crate) fn unsupported(question: Question, solver: Solver) -> SolveError {
     let reason = question.check(solver, &[]).err();
     SolveError::Unsupported(reason.unwrap_or(Unsupported {
@@ -149,7 +149,7 @@ pub(crate) fn unsupported(question: Question, solver: Solver) -> SolveError {
     }))
 }
 
-/// What a loading can be computed of.
+/// A case of which a loading can be computed.
 pub trait Loadable {
     /// Type of its contacts.
     type Contact: Contact;
@@ -163,7 +163,7 @@ pub trait Loadable {
     /// The critical state.
     ///
     /// # Errors
-    /// As [`fakir::transition`]; [`SolveError::Unsupported`] where it is not known what the floor is.
+    /// As [`fakir::transition`]; [`SolveError::Unsupported`] if the surface defines no floor.
     fn transition(&self, run: &Run<'_>) -> Result<Critical<Self::Contact>, SolveError>;
 
     /// Why there is no critical state at which a loading could end; `None` if there is one.
@@ -239,7 +239,7 @@ impl Loadable for SurfaceSystem {
 
     fn no_end(&self) -> Option<&'static str> {
         self.floor().is_none().then_some(
-            "a height map has no pillars that would tell which part of it is the floor: give surface.floor, the height at or below which it is",
+            "a height map has no pillars that define which part of it is the floor: give surface.floor, the height at or below which it is",
         )
     }
 
@@ -544,7 +544,7 @@ mod tests {
     }
 
     #[test]
-    fn without_a_critical_state_the_path_ends_where_it_is_told_to() {
+    fn without_a_critical_state_the_path_ends_at_the_given_load() {
         use Step::At;
         let found = steps(1.0, [0.0, 2.5], None).unwrap();
         assert_eq!(found, [At(0.0), At(1.0), At(2.0), At(2.5)]);

@@ -25,7 +25,7 @@ pub enum Topic {
     /// The range of the attraction of adhesive tops.
     AttractionRange,
     /// The closed forms of an adhesive floor.
-    StuckFloor,
+    AdhesiveFloor,
     /// The closed forms of the paper, with their lattice sums.
     ClosedForms,
     /// Fits of measured curves.
@@ -57,17 +57,17 @@ impl Topic {
     /// Topics of a case with an optional range of the attraction (m).
     #[must_use]
     pub fn of_case_with_range(case: &Case, range: Option<f64>) -> Vec<Self> {
-        let sticks = !case.system.adhesion().is_none();
+        let adhesive = !case.system.adhesion().is_none();
         [Self::Method(case.method)]
             .into_iter()
-            .chain(sticks.then_some(Self::Adhesion))
-            .chain(case.system.adhesion().floor.then_some(Self::StuckFloor))
+            .chain(adhesive.then_some(Self::Adhesion))
+            .chain(case.system.adhesion().floor.then_some(Self::AdhesiveFloor))
             .chain(case.system.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()
     }
 
-    /// What a case with a flat surface makes use of where the range of the attraction (m) is known, or is not.
+    /// Topics of a case with a flat surface, with an optional range of the attraction (m).
     #[must_use]
     pub fn of_flat(case: &FlatCase, range: Option<f64>) -> Vec<Self> {
         let system = &case.system;
@@ -79,7 +79,7 @@ impl Topic {
             .collect()
     }
 
-    /// What a case with a general surface makes use of.
+    /// Topics of a case with a general surface.
     #[must_use]
     pub fn of_surface(case: &SurfaceCase) -> Self {
         let random = match &case.origin {
@@ -94,7 +94,7 @@ impl Topic {
         }
     }
 
-    /// What the cases of a study make use of.
+    /// Topics of the cases of a study.
     #[must_use]
     pub fn of_study(study: &Study) -> Vec<Self> {
         let patterns = study.methods().into_iter().map(Self::Method);
@@ -103,7 +103,7 @@ impl Topic {
             random: surface.is_random,
         });
         let adhesion = study.has_adhesion().then_some(Self::Adhesion);
-        let floor = (study.asked() == Asked::Collapse).then_some(Self::StuckFloor);
+        let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         let of_kind = match study.surface_kind() {
             SurfaceKind::Asperities => Some(Self::Asperities),
@@ -296,7 +296,7 @@ impl Topic {
             Self::Method(_) => Vec::new(), // a new method must name its sources here
             Self::Adhesion => vec!["adhesion"],
             Self::AttractionRange => vec!["attraction_range"],
-            Self::StuckFloor => vec!["stuck_floor"],
+            Self::AdhesiveFloor => vec!["stuck_floor"],
             Self::ClosedForms => vec!["closed_forms"],
             Self::LeastSquares => vec!["least_squares"],
             Self::Layers => vec!["layers"],
@@ -398,7 +398,7 @@ mod tests {
             .chain([
                 Topic::Adhesion,
                 Topic::AttractionRange,
-                Topic::StuckFloor,
+                Topic::AdhesiveFloor,
                 Topic::ClosedForms,
                 Topic::Layers,
                 Topic::Flat,
@@ -446,14 +446,14 @@ mod tests {
     }
 
     #[test]
-    fn cases_that_stick_cite_adhesion() {
+    fn adhesive_cases_cite_adhesion() {
         let mut file = CaseFile::parse("case", &Case::example().to_toml()).unwrap();
         let method = Topic::Method(Method::default());
         assert_eq!(Topic::of_case(&file.case().unwrap()), [method]);
         file.set("adhesion.work=50mJ/m2").unwrap();
-        let sticky = Topic::of_case(&file.case().unwrap());
-        assert_eq!(sticky, [method, Topic::Adhesion]);
-        let cited = citations(&sticky);
+        let adhesive = Topic::of_case(&file.case().unwrap());
+        assert_eq!(adhesive, [method, Topic::Adhesion]);
+        let cited = citations(&adhesive);
         assert!(cited.iter().any(|work| work.key == "Kendall1971"));
         // A study cites it if any of its cases has adhesion.
         let study = |works: &str| {
@@ -461,7 +461,7 @@ mod tests {
             let text = format!("[axes]\n\"adhesion.work\" = [{works}]\n{example}");
             Topic::of_study(&StudyFile::parse("study", &text).unwrap().study().unwrap())
         };
-        assert_eq!(study("0, 0.05"), sticky);
+        assert_eq!(study("0, 0.05"), adhesive);
         assert_eq!(study("0"), [method]);
     }
 

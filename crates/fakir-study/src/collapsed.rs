@@ -3,17 +3,17 @@
 use crate::exact;
 use fakir::problem::{Method, System};
 use fakir::state::{Run, SolveError, Termination};
-use fakir::theory::stuck_floor::StuckFloor;
+use fakir::theory::stuck_floor::AdhesiveFloor;
 use serde::{Deserialize, Serialize};
 
 pub use fakir::collapse::{
-    Fate, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP, Validity, collapse_path,
+    FloorOutcome, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP, Validity, collapse_path,
 };
 
-/// Serialised form of [`Fate`].
+/// Serialised form of [`FloorOutcome`].
 #[derive(Serialize, Deserialize)]
-#[serde(remote = "Fate", rename_all = "snake_case")]
-enum WrittenFate {
+#[serde(remote = "FloorOutcome", rename_all = "snake_case")]
+enum WrittenOutcome {
     Unknown,
     NoPatch,
     LostUnderLoad,
@@ -118,9 +118,9 @@ pub struct Collapsed {
     /// Largest indentation, m; `None` if the model has no loading.
     #[serde(rename = "turn_indentation_m")]
     pub turn_indentation: Option<f64>,
-    /// Fate of the floor.
-    #[serde(with = "WrittenFate")]
-    pub fate: Fate,
+    /// Behaviour of the floor during unloading.
+    #[serde(with = "WrittenOutcome")]
+    pub fate: FloorOutcome,
     /// Detachment of the floor; `None` if it does not adhere, or still adheres at the end.
     pub lost: Option<FloorLoss>,
     /// The largest tensile force while the floor adheres, N, negative; `None` if the floor detaches under compression.
@@ -151,7 +151,7 @@ pub fn collapse(
     run: &Run<'_>,
 ) -> Result<(Collapsed, Termination), SolveError> {
     let found = fakir::collapse::collapse(system, method, run)?;
-    let floor = StuckFloor::of(system)?;
+    let floor = AdhesiveFloor::of(system)?;
     let contact = &found.critical.contact;
     let work = system.adhesion().work;
     let shape = system.pillar();

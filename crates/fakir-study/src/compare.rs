@@ -25,7 +25,7 @@ pub fn methods() -> [(Method, &'static str, &'static str); 6] {
         (
             Method::Love(ElementMesh::default()),
             "love",
-            "Love elements",
+            "boundary elements",
         ),
         (
             Method::Spectral(Accuracy::Default),
@@ -60,11 +60,11 @@ pub fn compare(
     next: &dyn Fn(&str),
     keep: &mut dyn FnMut(&'static str, CriticalState, f64),
 ) -> Result<Comparison, SolveError> {
-    let sticks = !system.adhesion().is_none();
+    let adhesive = !system.adhesion().is_none();
     let mut rows: Vec<MethodRow> = closed_forms(system)
         .unwrap_or_default()
         .iter()
-        .map(|form| MethodRow::formula(form, sticks))
+        .map(|form| MethodRow::formula(form, adhesive))
         .collect();
     let mut all_warnings = Vec::new();
     for (method, key, name) in methods() {

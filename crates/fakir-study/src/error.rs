@@ -39,7 +39,7 @@ pub enum StudyError {
     Tables(OutputError),
     /// A journal can no longer be written.
     #[error(
-        "cannot write {}: {error}; the cases before are safe in it, and --resume goes on from there",
+        "cannot write {}: {error}; it contains the cases before, and --resume continues from there",
         .path.display()
     )]
     Journal {
@@ -62,7 +62,7 @@ pub enum StudyError {
     InUse(PathBuf),
     /// The journal cannot be continued, because its first line or all of it is damaged.
     #[error(
-        "{}:{line}: the journal is damaged: {problem}; --overwrite begins anew", .journal.display()
+        "{}:{line}: the journal is damaged: {problem}; --overwrite starts again", .journal.display()
     )]
     Damaged {
         /// The journal.

@@ -439,7 +439,7 @@ fn refuse_own_shard(folder: &Path, shards: &[PathBuf]) -> Result<(), StudyError>
     };
     if shards.iter().any(is_in_there) {
         return Err(StudyError::Shards(format!(
-            "{} is or holds one of the shards: give another folder for all of them together",
+            "{} is or contains one of the shards: give another folder for the merged results",
             folder.display()
         )));
     }

@@ -307,7 +307,7 @@ fn read_sealed<T: DeserializeOwned>(line: &[u8]) -> Result<T, String> {
     let end = line.len().saturating_sub(seal(b"").len());
     let (text, end) = line.split_at(end);
     if end != seal(text).as_bytes() {
-        return Err("its checksum does not fit what it holds".to_owned());
+        return Err("its checksum does not match its content".to_owned());
     }
     serde_json::from_slice(line).map_err(|error| without_place(&error))
 }
@@ -514,7 +514,7 @@ mod tests {
             for replacement in replacements {
                 let (before, after) = text.as_bytes().split_at(position);
                 let edited = [before, &replacement, &after[1..]].concat();
-                let told = || {
+                let context = || {
                     let line = text.lines().nth(line - 1).unwrap_or_default();
                     format!(
                         "{position} {:?} in {line}",
@@ -522,19 +522,21 @@ mod tests {
                     )
                 };
                 match read(&study, &edited) {
-                    Err(StudyError::Damaged { line: 1, .. }) => assert_eq!(line, 1, "{}", told()),
-                    Err(other) => panic!("{}: {other}", told()),
+                    Err(StudyError::Damaged { line: 1, .. }) => {
+                        assert_eq!(line, 1, "{}", context())
+                    }
+                    Err(other) => panic!("{}: {other}", context()),
                     Ok((kept, damaged)) => {
-                        assert!(kept.iter().all(|row| rows.contains(row)), "{}", told());
+                        assert!(kept.iter().all(|row| rows.contains(row)), "{}", context());
                         let is_doubled_end = original == b'\n' && replacement == b"\n\n";
                         if position + 1 == text.len() && !is_doubled_end {
                             // Without its end the last line is incomplete: its case is open.
                             assert_eq!((kept.len(), damaged), (rows.len() - 1, vec![]));
                         } else {
                             let lost = !is_doubled_end;
-                            assert!(kept.len() < rows.len() || !lost, "{}", told());
+                            assert!(kept.len() < rows.len() || !lost, "{}", context());
                             let named = if is_doubled_end { line + 1 } else { line };
-                            assert!(damaged.contains(&named), "{}: {damaged:?}", told());
+                            assert!(damaged.contains(&named), "{}: {damaged:?}", context());
                         }
                     }
                 }

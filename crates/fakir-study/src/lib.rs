@@ -25,13 +25,13 @@
 //! * A case without a result has a row in the [`Table`], with the reason.
 //! * [`fields`]: pressure, gap and displacement on a grid, as netCDF and for ParaView.
 //! * [`answer`](mod@answer) answers a question about a case of any kind: its numbers, and the [`report`] that a command prints and saves.
-//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) asks every method,
+//! * [`approach`](mod@approach) loads a lens step by step, [`compare`](mod@compare) evaluates every method,
 //!   [`closed_forms`](mod@closed_forms) is the list of formulas.
 //! * [`workshop`] has surfaces with rounded pillar tops as solids and maps of heights.
 //! * [`surfaces`] solves a case with a general surface on a grid that is wide enough.
 //! * [`record`] has one row for every number of a contact; [`result`] is what every answer is as a JSON object and as tables:
 //!   command line, Python package and page show it and make none of their own.
-//! * [`provenance`] is stamped on every file, [`citations`] says what to cite, [`output`] saves files that are there whole or not
+//! * [`provenance`] is written into every file, [`citations`] lists the references to cite, [`output`] saves files completely or not
 //!   at all, and [`results`] replaces folders of results.
 //!
 //! # From a study to a table
@@ -69,7 +69,7 @@ mod table_parquet;
 pub mod workshop;
 
 pub use collapsed::{
-    Collapsed, Fate, FloorJump, FloorLoss, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
+    Collapsed, FloorJump, FloorLoss, FloorOutcome, LARGEST_INDENTATION, MODEL_ERROR_OF_LOSS, STEP,
     Validity, collapse, collapse_path,
 };
 pub use error::StudyError;
@@ -80,6 +80,10 @@ pub use plan::{InvalidShard, Shard};
 pub use row::{Row, RowAnswer};
 pub use sweep::{Options, Progress, solve, sweep};
 pub use table::{Column, Table, Values};
+
+/// Former name of [`FloorOutcome`].
+#[deprecated(note = "renamed to `FloorOutcome`")]
+pub type Fate = FloorOutcome;
 
 /// The version of fakir, written into every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -77,7 +77,7 @@ pub enum OutputError {
     },
     /// The folder to be overwritten is the current one, or contains it.
     #[error(
-        "{} is not overwritten: it is the current folder, or holds it; choose another",
+        "{} is not overwritten: it is the current folder, or contains it; choose another",
         folder.display()
     )]
     Inside {
@@ -277,8 +277,8 @@ mod tests {
         let good = File::new("a.txt", "a");
         let bad = File::new(format!("{}/b.txt", "long".repeat(100)), "b");
         let error = save(&folder, &[good.clone(), bad]).unwrap_err();
-        let told = error.to_string();
-        assert!(told.starts_with("cannot make the folder "), "{told}");
+        let message = error.to_string();
+        assert!(message.starts_with("cannot make the folder "), "{message}");
         assert!(names(&folder).is_empty());
         save(&folder, &[good, File::new(format!("{}.txt", "b"), "b")]).unwrap();
         assert_eq!(names(&folder), ["a.txt", "b.txt"]);

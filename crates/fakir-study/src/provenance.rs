@@ -67,7 +67,7 @@ impl Provenance {
             Asked::Transition => "critical state",
             Asked::Press => "contact under a load",
             Asked::Cycle => "loading and unloading with adhesion",
-            Asked::Collapse => "collapse of a floor that sticks",
+            Asked::Collapse => "collapse of an adhesive floor",
         };
         Self::new(
             format!("{asked}, {} cases", study.cases()),
@@ -150,7 +150,7 @@ pub(crate) const FLAT_METHOD: &str = "one disc of contact, closed forms on half-
 #[must_use]
 pub fn study_words(study: &Study) -> String {
     if study.surface_kind() == SurfaceKind::HeightMap {
-        return "Love elements on surfaces".to_owned();
+        return "boundary elements on surfaces".to_owned();
     }
     if study.surface_kind() == SurfaceKind::Flat {
         return FLAT_METHOD.to_owned();
@@ -169,7 +169,7 @@ pub fn method_words(method: Method) -> String {
         Method::Punch(PunchForm::Corrected) => "punch lattice, corrected".to_owned(),
         Method::Homogenised => "homogenised lattice, an approximation".to_owned(),
         Method::Love(mesh) => format!(
-            "Love elements, {} cells across a pillar",
+            "boundary elements, {} cells across a pillar",
             mesh.cells_per_diameter
         ),
         other => format!("{} method", other.name()),

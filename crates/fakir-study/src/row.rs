@@ -1,4 +1,4 @@
-//! The answer to one case, as it is kept: numbers only, each of which JSON gives back bit for bit.
+//! The stored answer to one case: numbers only, which JSON reproduces bit for bit.
 
 use crate::collapsed::Collapsed;
 use crate::record::Record;
@@ -14,18 +14,18 @@ pub struct Row {
     pub coordinates: Vec<Coordinate>,
     /// The answer, also if it did not converge.
     pub answer: Option<RowAnswer>,
-    /// Why there is no answer, or none to be relied on.
+    /// The reason why there is no answer, or no reliable one.
     pub problem: Option<String>,
-    /// How long it took, s. All other numbers are the same each time the case is solved.
+    /// Computing time, s. All other numbers are the same whenever the case is solved.
     pub wall_time: f64,
 }
 
-/// What a case answers: the numbers of `fakir transition --json`, `fakir press --json` or `fakir cycle --json`.
+/// The answer to a case: the numbers of `fakir transition --json`, `fakir press --json` or `fakir cycle --json`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RowAnswer {
     /// A contact under a load, the critical state, or a cycle.
     Numbers(Record),
-    /// How a floor that sticks collapses and lets go.
+    /// Collapse and detachment of an adhesive floor.
     Collapse(Box<Collapsed>),
 }

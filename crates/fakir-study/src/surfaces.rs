@@ -23,7 +23,7 @@ pub struct Answered<T> {
 /// `needed` returns the sufficient width (m) from an error that requires a wider grid.
 ///
 /// # Errors
-/// Those of the case, and those of `ask`.
+/// Those of the case, and those of the problem.
 pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
     file: &CaseFile,
     memory_limit: usize,
@@ -50,13 +50,13 @@ pub fn on_wide_enough_a_grid<T, E: From<CaseError>>(
         };
         file.set_number(Key::GridWidth, width);
         widened = Some(format!(
-            "the contact goes beyond the grid of the case: solved with surface.grid.width = {}",
+            "the contact extends beyond the grid of the case: solved with surface.grid.width = {}",
             with_unit(width, Dimension::Length, LENGTH_DIGITS)
         ));
     }
 }
 
-/// Why there is no second opinion on a surface.
+/// Errors of a verification of a surface.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceVerifyError {
@@ -68,13 +68,13 @@ pub enum SurfaceVerifyError {
     Surface(#[from] SolveError),
     /// A height map is defined on its own cells only.
     #[error(
-        "a height map cannot be verified: it is known on its own cells only, so that there is no second \
+        "a height map cannot be verified: it is defined on its own cells only, so that there is no second \
          mesh; press and transition estimate the error from cells twice and four times as large"
     )]
     OneMesh,
     /// Random pillars have different positions on another grid.
     #[error(
-        "pillars at random cannot be verified: they stand elsewhere on a second mesh; press and \
+        "pillars at random cannot be verified: their positions differ on a second mesh; press and \
          transition estimate the error from cells twice and four times as large"
     )]
     AtRandom,

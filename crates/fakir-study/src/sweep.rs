@@ -238,7 +238,7 @@ impl<'a> SharedSweep<'a> {
         })
     }
 
-    /// What a case answers, and why that is no answer if it is none.
+    /// The answer to a case, and the reason if it is not reliable.
     fn solve(&self, case: &StudyCase) -> Result<(Option<RowAnswer>, Option<String>), AnswerError> {
         let run = Run {
             cancel: self.stop.clone(),

@@ -74,7 +74,7 @@ impl Values {
                     .collect();
                 writer.write_batch(&values, Some(&levels), None)
             }
-            _ => unreachable!("columns are written as what the schema says of them"),
+            _ => unreachable!("columns are written with the types of the schema"),
         }
         .map(|_| ())
     }

@@ -51,7 +51,7 @@ fn metadata(reader: &SerializedFileReader<Bytes>, name: &str) -> String {
 
 /// Columns, their order, values, empty cells and provenance.
 #[test]
-fn the_parquet_table_holds_what_the_csv_table_holds() {
+fn the_parquet_table_agrees_with_the_csv_table() {
     let study = study();
     let rows = sweep(&study, &mut Options::default()).unwrap();
     let table = Table::new(&study, &rows);

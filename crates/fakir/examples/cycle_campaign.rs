@@ -116,7 +116,7 @@ impl Drawn {
         fakir::cycle(&system, plan, method, &Run::default())
     }
 
-    fn told(&self) -> String {
+    fn words(&self) -> String {
         let Self {
             seed,
             phi,
@@ -138,7 +138,7 @@ impl Drawn {
         let closed = cycle.converged() && cycle.separation.is_some();
         println!(
             "{} {:.2e} {:.5e} {} {} {:.4e} {:.4e} {:.4e} {certificate:.1e} {} {seconds:.2} {closed} {:?}",
-            self.told(),
+            self.words(),
             self.adhesion.receding(),
             cycle.turn.force,
             cycle.turn.pillars_in_contact,
@@ -178,7 +178,7 @@ impl Drawn {
         let agree = shares.iter().all(|share| *share <= 1.0) && certificate < CERTIFICATE[1];
         println!(
             "{} {cells:.2?}; {shares:.2?} {certificate:.1e} {seconds:.1} {agree}",
-            self.told()
+            self.words()
         );
         Ok(agree)
     }

@@ -90,11 +90,11 @@ fn place(level: usize, curvature: f64) -> f64 {
             })
             .sum()
     };
-    let wanted = nominal_area(level);
+    let target = nominal_area(level);
     let (mut low, mut high) = (-1.0, 1.0 + curvature);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if area(middle) < wanted {
+        if area(middle) < target {
             low = middle;
         } else {
             high = middle;
@@ -194,12 +194,12 @@ fn table(
         for (number, entries) in corrected.iter_mut().enumerate() {
             let (found, area) = raw[level][number];
             // The area of the full disc on cells differs from the exact one as well, which the scale corrects.
-            let wanted = nominal_area(level) / PI * full_area;
+            let target = nominal_area(level) / PI * full_area;
             let above = raw[(level + 1).min(LEVELS)][number];
             let below = raw[level - 1][number];
             for (k, (i, j)) in ENTRIES.into_iter().enumerate() {
                 let slope = (above.0[k] - below.0[k]) / (above.1 - below.1);
-                entries[k] = scale(i) * scale(j) * (found[k] + (wanted - area) * slope);
+                entries[k] = scale(i) * scale(j) * (found[k] + (target - area) * slope);
             }
         }
         corrected

@@ -6,7 +6,7 @@ use crate::solve::collapsed_floor::{
     NARROWEST_FRONT, WIDEST_ANNULUS,
 };
 use crate::state::{CriticalState, Run, SolveError};
-use crate::theory::stuck_floor::{AnnulusEdge, StuckFloor};
+use crate::theory::stuck_floor::{AdhesiveFloor, AnnulusEdge};
 
 /// Largest indentation of the cycle, relative to the critical indentation.
 pub const LARGEST_INDENTATION: f64 = 1.2;
@@ -34,7 +34,7 @@ const TOP_STEPS: u32 = 8;
 
 /// Behaviour of the adhesive floor during unloading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fate {
+pub enum FloorOutcome {
     /// Outside the range of validity of the model: see the validity.
     Unknown,
     /// No connected patch exists at the largest indentation.
@@ -45,7 +45,11 @@ pub enum Fate {
     HeldThroughZero,
 }
 
-impl Fate {
+/// Former name of [`FloorOutcome`].
+#[deprecated(note = "renamed to `FloorOutcome`")]
+pub type Fate = FloorOutcome;
+
+impl FloorOutcome {
     /// Name in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -117,7 +121,7 @@ pub struct Collapse {
     /// Largest indentation of the cycle, m; `None` if the model has no solution for loading.
     pub turn_indentation: Option<f64>,
     /// Behaviour of the floor.
-    pub fate: Fate,
+    pub fate: FloorOutcome,
     /// Detachment of the floor: indentation (m), within half a step, and force before it (N). `None` if the floor does not bond or does not
     /// detach.
     pub lost: Option<[f64; 2]>,
@@ -141,7 +145,7 @@ pub struct Collapse {
 /// # Errors
 /// Those of [`transition`](crate::transition) and [`CollapsedFloor::new`]. A front without equilibrium is not an error, but a [`Validity`].
 pub fn collapse(system: &System, method: Method, run: &Run<'_>) -> Result<Collapse, SolveError> {
-    let floor = StuckFloor::of(system)?;
+    let floor = AdhesiveFloor::of(system)?;
     let bare = system.without_adhesion();
     let critical = crate::transition(&bare, method, run)?;
     let annulus_radius = match floor.pillar().edge(system.adhesion().work, 0.0)? {
@@ -155,7 +159,7 @@ pub fn collapse(system: &System, method: Method, run: &Run<'_>) -> Result<Collap
         jump: None,
         holes: 0,
         turn_indentation: None,
-        fate: Fate::Unknown,
+        fate: FloorOutcome::Unknown,
         lost: None,
         pull_off: None,
         hysteresis: None,
@@ -224,7 +228,7 @@ impl Collapse {
         }
         self.turn_indentation = Some(turn.indentation);
         let Some(last) = unloading.last() else {
-            self.fate = Fate::NoPatch;
+            self.fate = FloorOutcome::NoPatch;
             self.unloading_validity = self.jump_validity;
             return Ok(());
         };
@@ -235,9 +239,9 @@ impl Collapse {
         let least = unloading.iter().map(|point| point.force);
         let least = least.fold(f64::INFINITY, f64::min);
         self.fate = if least <= 0.0 {
-            Fate::HeldThroughZero
+            FloorOutcome::HeldThroughZero
         } else {
-            Fate::LostUnderLoad
+            FloorOutcome::LostUnderLoad
         };
         // If the floor does not detach, the largest tension may not have been reached.
         self.pull_off = (least < 0.0 && lost.is_some()).then_some(least);

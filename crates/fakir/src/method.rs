@@ -203,7 +203,7 @@ pub fn follow_cycle(
 ) -> Result<Cycle, SolveError> {
     let plan = plan.checked(0.5 * system.pillar().diameter, system.reduced_modulus())?;
     if system.adhesion().is_none() {
-        return Err(SolveError::NothingSticks);
+        return Err(SolveError::NoAdhesion);
     }
     Question::Cycle.check(method.into(), &Feature::of(system))?;
     let cycle = adhesive::cycle(system, plan, accuracy_of(method), run, follower)?;

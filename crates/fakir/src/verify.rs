@@ -295,7 +295,7 @@ mod tests {
 
     /// Past the transition, elements cover the floor as well.
     #[test]
-    fn both_methods_agree_on_what_the_floor_bears() {
+    fn both_methods_agree_on_the_load_of_the_floor() {
         let system = intermediate(0.01);
         let run = Run::default();
         let question = Load::Indentation(5e-6);
@@ -433,9 +433,13 @@ mod tests {
                     place => failed.elements[place - 1].termination = termination,
                 }
                 let doubt = failed.verdict().doubt().unwrap();
-                let told = doubt.to_string();
-                assert!(told.contains(termination.description()), "{told}");
-                assert_eq!(told.contains("cells across a pillar"), place > 0, "{told}");
+                let message = doubt.to_string();
+                assert!(message.contains(termination.description()), "{message}");
+                assert_eq!(
+                    message.contains("cells across a pillar"),
+                    place > 0,
+                    "{message}"
+                );
                 assert!(!failed.agrees());
             }
         }
@@ -452,7 +456,7 @@ mod tests {
 
     /// Immediately after first touch, no cell centre is in contact: this does not mean zero force.
     #[test]
-    fn elements_that_touch_nothing_know_nothing() {
+    fn elements_without_contact_are_inconclusive() {
         let system = intermediate(0.01);
         let run = Run::default();
         // The nearest of 16 cells is about 0.19 um from the axis: 8 pm of sag.

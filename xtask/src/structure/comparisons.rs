@@ -1,9 +1,9 @@
-//! Comparisons that end the program where a number is NaN.
+//! Comparisons that panic if a number is NaN.
 
 use super::files::{collect, read, root};
 use std::path::Path;
 
-/// Comparisons of all crates that end the program where a number is NaN.
+/// Comparisons of all crates that panic if a number is NaN.
 pub(super) fn problems() -> Result<Vec<String>, String> {
     let root = root();
     let mut files = Vec::new();
@@ -28,8 +28,8 @@ pub(super) fn problems() -> Result<Vec<String>, String> {
     Ok(problems)
 }
 
-/// Lines, from 1, of comparisons that end the program where a number is NaN, each with what to write instead. `f64::clamp` also does where its bounds are
-/// exchanged: only bounds that are constants are passed.
+/// Lines, from 1, of comparisons that panic if a number is NaN, each with what to write instead. `f64::clamp` also panics if its bounds are in the wrong
+/// order: only constant bounds are accepted.
 fn comparisons(text: &str) -> Vec<(usize, &'static str)> {
     let code: Vec<&str> = text
         .split("#[cfg(test)]\nmod tests {")
@@ -55,7 +55,7 @@ fn comparisons(text: &str) -> Vec<(usize, &'static str)> {
     found
 }
 
-/// The text up to the parenthesis that closes.
+/// The text up to the closing parenthesis.
 fn inside_parentheses(text: &str) -> &str {
     let mut depth = 1;
     let end = text.find(|c: char| {
@@ -69,7 +69,7 @@ fn inside_parentheses(text: &str) -> &str {
     &text[..end.unwrap_or(text.len())]
 }
 
-/// Whether an expression is of numbers and constants alone, whose names are in capitals.
+/// Whether an expression contains only numbers and constants, whose names are in capitals.
 fn is_constant(expression: &str) -> bool {
     let separators = |c: char| !(c.is_alphanumeric() || c == '_' || c == '.' || c == ':');
     expression.split(separators).all(|word| {

@@ -1,8 +1,8 @@
-//! Whether crates, the Python package and the page use only what is below them: crates each other, rooms each other, and no file itself by way of
-//! others; and whether any crate compares numbers in a way that ends the program where one of them is NaN.
+//! Checks that dependencies between crates, and between the modules of a crate, point in one direction, and that no file of a crate, of the Python package
+//! or of the page uses itself through other files; and that no comparison of numbers panics on NaN.
 //!
-//! A file that reaches an item through a facade (`lib.rs`, `mod.rs`, `__init__.py`) uses the file that defines the item. A facade does not use
-//! what it only re-exports. Tests may use anything.
+//! A file that uses an item through a facade (`lib.rs`, `mod.rs`, `__init__.py`) depends on the file that defines the item. A facade does not depend
+//! on what it only re-exports. Tests are exempt.
 
 mod comparisons;
 mod files;
@@ -18,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path as FilePath, PathBuf};
 
-/// The crates from the ground up.
+/// The crates; each depends only on crates before it.
 const CRATES: [&str; 10] = [
     "fakir-fft",
     "fakir",
@@ -32,8 +32,8 @@ const CRATES: [&str; 10] = [
     "fakir-py",
 ];
 
-/// Crates with rooms, and these from the ground up. The last ones are files.
-const ROOMS: [(&str, &[&str]); 1] = [(
+/// Crates with layers of modules; each layer uses only layers before it. The last ones are files.
+const LAYERS: [(&str, &[&str]); 1] = [(
     "fakir",
     &[
         "numerics",
@@ -60,7 +60,7 @@ pub(crate) fn check(_cargo: &OsStr) -> Result<(), String> {
     folders.push(("xtask".to_owned(), crate_tree(&root().join("xtask/src"))?));
     let package = root().join("python/fakir");
     let mut package = plain_tree(&package, "py", "__init__", python::imports)?;
-    // The extension module, which uses none of the others.
+    // The extension module, which imports none of the others.
     package.insert(vec!["_fakir".to_owned()], tree::Imports::default());
     folders.push(("Python package".to_owned(), package));
     let page = root().join("crates/fakir-explore/page");
@@ -81,13 +81,13 @@ pub(crate) fn check(_cargo: &OsStr) -> Result<(), String> {
 }
 
 fn problems_of(name: &str, arrows: &Arrows) -> Vec<String> {
-    let rooms = ROOMS.iter().find(|(own, _)| *own == name);
-    let mut problems = rooms.map_or_else(Vec::new, |(_, rooms)| upward(arrows, rooms));
+    let layers = LAYERS.iter().find(|(own, _)| *own == name);
+    let mut problems = layers.map_or_else(Vec::new, |(_, layers)| upward(arrows, layers));
     problems.extend(circles(arrows));
     problems
 }
 
-/// Crates that depend on one above them, or are not on the list.
+/// Crates that depend on a later one, or are not on the list.
 fn dependencies() -> Result<Vec<String>, String> {
     let floor = |name: &str| CRATES.iter().position(|own| *own == name);
     let mut problems = Vec::new();
@@ -110,7 +110,7 @@ fn dependencies() -> Result<Vec<String>, String> {
     Ok(problems)
 }
 
-/// The crates of the project that a crate is compiled with, its tests aside.
+/// The crates of the project that a crate depends on, except for its tests.
 fn depends_on(manifest: &str) -> Vec<String> {
     let mut is_table = false;
     let mut found = Vec::new();
@@ -128,11 +128,11 @@ fn depends_on(manifest: &str) -> Vec<String> {
     found
 }
 
-/// The modules of a crate, those for tests only aside.
+/// The modules of a crate, except those for tests only.
 fn crate_tree(source: &FilePath) -> Result<Tree, String> {
     let mut files = Vec::new();
     collect(source, "rs", &mut files)?;
-    // The program of a crate that is a library too.
+    // The program of a crate that is also a library.
     let is_library = source.join("lib.rs").exists();
     files.retain(|file| !(is_library && *file == source.join("main.rs")));
     let texts: BTreeMap<Path, String> = texts(source, &files, &["lib", "main", "mod"])?;
@@ -148,7 +148,7 @@ fn crate_tree(source: &FilePath) -> Result<Tree, String> {
     Ok(tree)
 }
 
-/// The modules of a folder, in which there are no other folders of them.
+/// The modules of a folder without subfolders.
 fn plain_tree(
     folder: &FilePath,
     extension: &str,
@@ -162,7 +162,7 @@ fn plain_tree(
     Ok(texts.map(|(path, text)| (path, imports(&text))).collect())
 }
 
-/// The texts of files by their paths. Facades, by their names, have the path of their folder.
+/// The contents of files by their paths. Facades have the path of their folder.
 fn texts(
     root: &FilePath,
     files: &[PathBuf],

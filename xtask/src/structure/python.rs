@@ -1,6 +1,6 @@
-//! What a module of a Python package imports.
+//! Imports of a module of a Python package.
 //!
-//! What is imported for annotations alone, below `if TYPE_CHECKING:`, is left out: at run time it is not there.
+//! Imports for annotations only, below `if TYPE_CHECKING:`, are ignored: they are not executed.
 
 use super::tree::Imports;
 
@@ -40,7 +40,7 @@ pub(super) fn imports(text: &str) -> Imports {
     imports
 }
 
-/// The path of a module inside the package, if it is there.
+/// The path of a module inside the package, if it exists.
 fn inside_package(module: &str) -> Option<&str> {
     let rest = module.strip_prefix(PACKAGE)?;
     rest.strip_prefix('.').or(rest.is_empty().then_some(rest))

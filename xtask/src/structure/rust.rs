@@ -1,9 +1,9 @@
-//! What a module of a crate in Rust imports, its tests aside.
+//! Imports of a module of a crate in Rust, except for its tests.
 
 use super::tree::{Imports, Path};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a module imports, and which modules below it are there for tests only.
+/// Imports of a module, and its submodules for tests only.
 pub(super) struct Module {
     pub(super) imports: Imports,
     pub(super) for_tests: Vec<Path>,
@@ -11,7 +11,7 @@ pub(super) struct Module {
 
 /// Reads the module `own` of a crate that has some modules.
 ///
-/// It does not use what it only re-exports, as facades do, nor the modules that it only declares.
+/// Items that it only re-exports, as facades do, and modules that it only declares, are not included.
 pub(super) fn module(own: &[String], text: &str, modules: &BTreeSet<Path>) -> Module {
     let all = tokens(text);
     let (code, for_tests) = without_tests(&all);
@@ -42,16 +42,16 @@ fn below(module: &[String], name: &str) -> Path {
     [module, &[name.to_owned()]].concat()
 }
 
-/// How a module understands names.
+/// Resolution of names in a module.
 struct Here<'a> {
     own: &'a [String],
     modules: &'a BTreeSet<Path>,
-    /// What it imports, by the names that it has here.
+    /// Imports by their local names.
     local: BTreeMap<&'a str, Path>,
 }
 
 impl Here<'_> {
-    /// A path from the root of the crate; none of other crates, and of what is defined here.
+    /// A path from the root of the crate; `None` for other crates, and for items that are defined here.
     fn path(&self, words: &[&str]) -> Option<Path> {
         let mut path = match words.first()? {
             &"crate" => Vec::new(),
@@ -94,15 +94,15 @@ impl Here<'_> {
     }
 }
 
-/// Something that is imported.
+/// An imported item.
 struct Import<'a> {
     path: Vec<&'a str>,
-    /// The name that it has here: `*` of all that is in a module.
+    /// Its local name: `*` for all items of a module.
     name: &'a str,
     is_public: bool,
 }
 
-/// What some code imports, and the code without that and without declarations of modules.
+/// Imports of some code, and the code without them and without declarations of modules.
 fn split<'a>(code: &[&'a str]) -> (Vec<Import<'a>>, Vec<&'a str>) {
     let (mut imported, mut rest) = (Vec::new(), Vec::new());
     let mut place = 0;
@@ -128,7 +128,7 @@ fn split<'a>(code: &[&'a str]) -> (Vec<Import<'a>>, Vec<&'a str>) {
     (imported, rest)
 }
 
-/// Adds the paths of a tree of imports that begins at a place below others, each with the name that it gets; gives the place behind it.
+/// Adds the paths of a tree of imports that starts at a place, below a prefix, each with its local name; returns the place after it.
 fn leaves<'a>(
     code: &[&'a str],
     mut place: usize,
@@ -173,7 +173,7 @@ fn leaves<'a>(
     place
 }
 
-/// Code without the items that are compiled for tests only, and the modules among these.
+/// Code without the items that are compiled for tests only, and the names of modules among these.
 fn without_tests<'a>(code: &[&'a str]) -> (Vec<&'a str>, Vec<&'a str>) {
     const FOR_TESTS: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let (mut kept, mut modules) = (Vec::new(), Vec::new());
@@ -188,7 +188,7 @@ fn without_tests<'a>(code: &[&'a str]) -> (Vec<&'a str>, Vec<&'a str>) {
         while code.get(place) == Some(&"#") {
             place = behind(code, place, |word| word == "]");
         }
-        // Behind `pub(crate)` and the like.
+        // After `pub(crate)` and the like.
         let mut first = code[place..].iter().take(5);
         let is_import = first.find(|word| ["use", "mod"].contains(*word)) == Some(&"use");
         let end = behind(code, place, |word| word == ";" || word == "}" && !is_import);
@@ -200,7 +200,7 @@ fn without_tests<'a>(code: &[&'a str]) -> (Vec<&'a str>, Vec<&'a str>) {
     (kept, modules)
 }
 
-/// The place behind the first sign that ends something outside of all parentheses.
+/// The place after the first terminator outside of all parentheses.
 fn behind(code: &[&str], start: usize, is_end: impl Fn(&str) -> bool) -> usize {
     let mut depth = 0;
     for (place, word) in code.iter().enumerate().skip(start) {
@@ -220,7 +220,7 @@ fn is_name(word: &str) -> bool {
     word.starts_with(|c: char| c.is_alphabetic() || c == '_')
 }
 
-/// The names and signs of a text, without comments and without texts in quotes.
+/// The tokens of a text, without comments and string literals.
 fn tokens(text: &str) -> Vec<&str> {
     let mut found = Vec::new();
     let mut rest = text;
@@ -249,7 +249,7 @@ fn tokens(text: &str) -> Vec<&str> {
     found
 }
 
-/// The length of the text in quotes, or of the letter, with which something begins, if it does.
+/// The length of the string or character literal at the beginning, if there is one.
 fn quoted(text: &str) -> Option<usize> {
     let plain = text.strip_prefix('b').unwrap_or(text);
     let before = text.len() - plain.len();

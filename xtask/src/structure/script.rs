@@ -1,11 +1,11 @@
-//! What a module of the page imports.
+//! Imports of a module of the page.
 
 use super::tree::Imports;
 
-/// What stands before the name of a module beside this one.
+/// Prefix of the name of a module in the same folder.
 const BEFORE: [&str; 3] = ["from \"./", "import \"./", "import(\"./"];
 
-/// The imports of a module in the folder of the page, those of types too.
+/// The imports of a module in the folder of the page, including those of types.
 pub(super) fn imports(text: &str) -> Imports {
     let places = BEFORE.iter().flat_map(|before| {
         let ends = text.match_indices(before);

@@ -1,29 +1,29 @@
-//! A tree of source files, and which of them use which.
+//! A tree of source files, and their dependencies.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Names from the root of a tree to a file, or to an item in one. The root itself has none.
+/// Names from the root of a tree to a file, or to an item in a file. Empty for the root.
 pub(super) type Path = Vec<String>;
 
-/// The longest chain of facades that is followed.
+/// Largest number of facades in a chain that is followed.
 const CHAIN: usize = 10;
 
-/// What a file imports.
+/// Imports of a file.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Imports {
-    /// What it uses.
+    /// Paths that it uses.
     pub(super) uses: Vec<Path>,
-    /// The names by which others can reach, through this file, what it imports: where that is, or none of what is outside of the tree.
+    /// Names that this file re-exports, with the paths of the items; `None` for items outside of the tree.
     pub(super) names: BTreeMap<String, Option<Path>>,
 }
 
-/// The files of a tree with what they import.
+/// The files of a tree with their imports.
 pub(super) type Tree = BTreeMap<Path, Imports>;
 
-/// The files that every file uses.
+/// The files that each file uses.
 pub(super) type Arrows = BTreeMap<Path, BTreeSet<Path>>;
 
-/// A path in words.
+/// A path as text.
 pub(super) fn shown(path: &[String]) -> String {
     match path {
         [] => "the root".to_owned(),
@@ -31,7 +31,7 @@ pub(super) fn shown(path: &[String]) -> String {
     }
 }
 
-/// Which file uses which. What is reached through a facade is used where it is defined.
+/// The dependencies between files. An item that is used through a facade counts where it is defined.
 pub(super) fn arrows(tree: &Tree) -> Arrows {
     let used = |(own, imports): (&Path, &Imports)| {
         let owners = imports.uses.iter().filter_map(|path| owner(tree, path));
@@ -40,7 +40,7 @@ pub(super) fn arrows(tree: &Tree) -> Arrows {
     tree.iter().map(used).collect()
 }
 
-/// The file that defines what is at a path; none of what is outside of the tree.
+/// The file that defines the item at a path; `None` outside of the tree.
 fn owner(tree: &Tree, path: &[String]) -> Option<Path> {
     let mut path = path.to_vec();
     for _ in 0..CHAIN {
@@ -58,18 +58,20 @@ fn owner(tree: &Tree, path: &[String]) -> Option<Path> {
     None
 }
 
-/// Files that use one in a room above theirs, or are in no room. Rooms are given from the ground up. The
-/// root is above them.
-pub(super) fn upward(arrows: &Arrows, rooms: &[&str]) -> Vec<String> {
+/// Files that use one in a later layer, or are in no layer. Layers are in the order of `LAYERS`; the root
+/// is above them.
+pub(super) fn upward(arrows: &Arrows, layers: &[&str]) -> Vec<String> {
     let floor = |path: &Path| match path.first() {
-        Some(room) => rooms.iter().position(|name| name == room),
-        None => Some(rooms.len()),
+        Some(layer) => layers.iter().position(|name| name == layer),
+        None => Some(layers.len()),
     };
     let mut problems = Vec::new();
     for (file, targets) in arrows {
         if floor(file).is_none() {
             let file = shown(file);
-            problems.push(format!("{file} is in no room: add it to the list of rooms"));
+            problems.push(format!(
+                "{file} is in no layer: add it to the list of layers"
+            ));
         }
         for target in targets.iter().filter(|target| floor(target) > floor(file)) {
             let (file, target) = (shown(file), shown(target));
@@ -79,9 +81,9 @@ pub(super) fn upward(arrows: &Arrows, rooms: &[&str]) -> Vec<String> {
     problems
 }
 
-/// Files that use themselves by way of others, and what is between two of them.
+/// Files that use themselves through other files.
 pub(super) fn circles(arrows: &Arrows) -> Vec<String> {
-    // Taking away what uses nothing that is left, again and again, leaves the circles and what leads to them.
+    // Repeatedly removing files that use no remaining file leaves the circles and the files that lead to them.
     let mut left: Arrows = arrows.clone();
     loop {
         let names: BTreeSet<Path> = left.keys().cloned().collect();
@@ -90,11 +92,11 @@ pub(super) fn circles(arrows: &Arrows) -> Vec<String> {
             break;
         }
     }
-    // And the other way round, what nothing left uses.
+    // Likewise for files that no remaining file uses.
     loop {
         let before = left.len();
-        let wanted: BTreeSet<Path> = left.values().flatten().cloned().collect();
-        left.retain(|file, _| wanted.contains(file));
+        let used: BTreeSet<Path> = left.values().flatten().cloned().collect();
+        left.retain(|file, _| used.contains(file));
         if left.len() == before {
             break;
         }
@@ -126,19 +128,19 @@ mod tests {
 
     #[test]
     fn finds_upward_arrows_and_circles() {
-        let rooms = ["numerics", "state"];
+        let layers = ["numerics", "state"];
         let good = arrows_of(&[
             ("state::run", &["numerics::vector"]),
             ("numerics::vector", &[]),
             ("", &["state::run"]),
         ]);
-        assert!(upward(&good, &rooms).is_empty() && circles(&good).is_empty());
+        assert!(upward(&good, &layers).is_empty() && circles(&good).is_empty());
         let bad = arrows_of(&[
             ("numerics::vector", &["state::run", ""]),
             ("state::run", &[]),
             ("elsewhere", &[]),
         ]);
-        assert_eq!(upward(&bad, &rooms).len(), 3);
+        assert_eq!(upward(&bad, &layers).len(), 3);
         let circle = arrows_of(&[
             ("a", &["b"]),
             ("b", &["a"]),

@@ -59,12 +59,12 @@ impl StudyFile {
         let mut examples: Vec<Case> = Vec::new();
         let mut surfaces = Surfaces::default();
         let mut rounded = None;
-        let (mut sticks, mut layered) = (false, false);
+        let (mut adhesive, mut layered) = (false, false);
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
             match self.resolve(index).map_err(blame)?.case {
                 AnyCase::Pillars(case) => {
-                    sticks |= !case.system.adhesion().is_none();
+                    adhesive |= !case.system.adhesion().is_none();
                     layered |= case.system.has_layers();
                     if examples.iter().all(|example| example.method != case.method) {
                         examples.push(*case);
@@ -72,7 +72,7 @@ impl StudyFile {
                 }
                 AnyCase::Asperities(case) => rounded = rounded.or(Some(case)),
                 AnyCase::Flat(case) => {
-                    sticks |= !case.system.adhesion().is_none();
+                    adhesive |= !case.system.adhesion().is_none();
                     layered |= case.system.has_layers();
                 }
                 AnyCase::HeightMap(file) => {
@@ -86,7 +86,7 @@ impl StudyFile {
             file: self,
             cases,
             examples,
-            sticks,
+            adhesive,
             layered,
             rounded,
             surfaces,
@@ -105,7 +105,7 @@ pub struct Study {
     /// The first case of each method.
     examples: Vec<Case>,
     /// Whether there is adhesion in any case.
-    sticks: bool,
+    adhesive: bool,
     layered: bool,
     /// The first case, if pillars have rounded tops.
     rounded: Option<Box<AsperityCase>>,
@@ -146,7 +146,7 @@ impl Study {
     pub fn case(&self, index: usize) -> StudyCase {
         assert!(index < self.cases, "there are {} cases", self.cases);
         let resolved = self.file.resolve(index);
-        resolved.expect("every case was looked at when the study was made")
+        resolved.expect("every case was checked when the study was made")
     }
 
     /// The value of every axis in a case, counted from 0.
@@ -171,7 +171,7 @@ impl Study {
         self.file.settings(&self.file.steps(index))
     }
 
-    /// What kind of surface its cases have.
+    /// Kind of surface of its cases.
     #[must_use]
     pub fn surface_kind(&self) -> SurfaceKind {
         match self.rounded {
@@ -209,7 +209,7 @@ impl Study {
     /// Whether pillar tops are adhesive in any of its cases.
     #[must_use]
     pub fn has_adhesion(&self) -> bool {
-        self.sticks
+        self.adhesive
     }
 
     /// Whether a body is a layer in any of its cases.

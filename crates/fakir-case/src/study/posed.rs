@@ -1,4 +1,4 @@
-//! Cases of a study: what they can be asked, and their general surfaces.
+//! Cases of a study: the questions that they support, and their general surfaces.
 
 use super::asked::Asked;
 use crate::any_case::AnyCase;
@@ -20,7 +20,7 @@ impl AnyCase {
             Asked::Cycle | Asked::Collapse => Question::Cycle,
         };
         file.check_surface(&[Question::Sweep, question])?;
-        // Of pillars a combination without an answer is a row with the reason.
+        // For pillars, a combination that is not supported is a row with the reason.
         let of_pillars = match of_adhesion {
             true => &[Question::Cycle][..],
             false => &[],
@@ -35,9 +35,9 @@ impl AnyCase {
             return Err(file.without_adhesion());
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
-            return Err(file
-                .missing(Key::FloorSticks)
-                .accepted("a flat surface has no floor between pillars: ask for a cycle"));
+            return Err(file.missing(Key::AdhesiveFloor).accepted(
+                "a flat surface has no floor between pillars: use question = \"cycle\"",
+            ));
         }
         Ok(case)
     }
@@ -91,7 +91,7 @@ pub(super) fn looked_at(
     file.refuse_absurd_heights(&case)?;
     if asked == Asked::Transition && case.system.floor().is_none() {
         return Err(file.missing(Key::Floor).accepted(
-            "a height map has no pillars that would tell which part of it is the floor: give the \
+            "a height map has no pillars that define which part of it is the floor: give the \
              height at or below which it is",
         ));
     }

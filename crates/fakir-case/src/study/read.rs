@@ -272,7 +272,7 @@ impl Reader<'_> {
             )
             .key(path)
             .accepted(match path {
-                "axes" => format!("[axes] says what is varied: {AXES_EXAMPLE}"),
+                "axes" => format!("[axes] lists what is varied: {AXES_EXAMPLE}"),
                 _ => "[study] may have question, combine, case, a load and a drive".to_owned(),
             })),
         }
@@ -366,7 +366,7 @@ impl Reader<'_> {
                 self.source,
                 format!("{} has no table [axes]", self.source.name()),
             )
-            .accepted(format!("[axes] says what a study varies: {AXES_EXAMPLE}")));
+            .accepted(format!("[axes] lists what a study varies: {AXES_EXAMPLE}")));
         };
         let mut varied = Vec::new();
         self.collect("", self.table("axes", value)?, &mut varied)?;

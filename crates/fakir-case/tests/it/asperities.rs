@@ -98,9 +98,10 @@ fn heights_in_a_table_are_read_again_to_the_bit() {
     // The error for an overlap names the lines of the table.
     let table = "x_m,y_m,height_m,diameter_m\n0,0,1e-4,4e-4\n1e-4,0,1e-4,4e-4\n";
     std::fs::write(folder.join("pillars.csv"), table).unwrap();
-    let told = CaseFile::read(&path).unwrap().asperity_case().unwrap_err();
+    let message = CaseFile::read(&path).unwrap().asperity_case().unwrap_err();
     assert!(
-        told.one_line()
+        message
+            .one_line()
             .contains("line 3: this pillar overlaps with that of line 2")
     );
     std::fs::remove_dir_all(&folder).unwrap();
@@ -114,7 +115,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
         file.set(setting).unwrap();
         file.asperity_case().unwrap_err().one_line()
     };
-    for (told, words) in [
+    for (message, words) in [
         (
             with("[adhesion]\nwork = \"50 mJ/m2\"\n"),
             "adhesion of rounded pillar tops is not supported",
@@ -168,15 +169,15 @@ fn what_rounded_tops_do_not_have_is_refused() {
             "pattern.pillar.height: this key is missing",
         ),
     ] {
-        assert!(told.contains(words), "{told}");
+        assert!(message.contains(words), "{message}");
     }
 }
 
 /// All computations of flat tops use `case`.
 #[test]
 fn flat_tops_are_not_computed_in_their_place() {
-    let told = |text: &str| file(text).case().unwrap_err().one_line();
-    let both = told(&format!("{PLATE}{SITES}diameter = \"400 um\"\n"));
+    let message = |text: &str| file(text).case().unwrap_err().one_line();
+    let both = message(&format!("{PLATE}{SITES}diameter = \"400 um\"\n"));
     assert!(
         both.contains("pattern.top_radius: this is computed for flat pillar tops only"),
         "{both}"

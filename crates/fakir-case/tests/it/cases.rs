@@ -102,13 +102,13 @@ fn works_of_adhesion() {
         "adhesion.work_receding=80mJ/m2",
         "method.accuracy=accurate",
     ];
-    let sticky = Adhesion {
+    let adhesive = Adhesion {
         work: 0.05,
         work_receding: Some(0.08),
         floor: false,
     };
     let case = with(&both).unwrap();
-    assert_eq!(case.system.adhesion(), sticky);
+    assert_eq!(case.system.adhesion(), adhesive);
     let text = case.to_toml();
     assert!(
         text.contains("\n[adhesion]\nwork = \"50 mJ/m2\" "),
@@ -349,14 +349,14 @@ fn a_table_of_whole_pillars_needs_no_common_one() {
 
     // The error for a missing column names it and the alternatives.
     write("pillars.csv", "x_m,y_m,height_m\n0,0,2e-6\n");
-    let told = read(&listed).case().unwrap_err().one_line();
+    let message = read(&listed).case().unwrap_err().one_line();
     assert!(
-        told.contains("pattern.pillar.diameter: this key is missing"),
-        "{told}"
+        message.contains("pattern.pillar.diameter: this key is missing"),
+        "{message}"
     );
-    assert!(told.contains("a column diameter_m in "), "{told}");
+    assert!(message.contains("a column diameter_m in "), "{message}");
     assert!(read(&rounded).asperity_case().is_ok());
     write("pillars.csv", "x_m,y_m,diameter_m\n0,0,2e-6\n");
-    let told = read(&rounded).asperity_case().unwrap_err().one_line();
-    assert!(told.contains("a column height_m in "), "{told}");
+    let message = read(&rounded).asperity_case().unwrap_err().one_line();
+    assert!(message.contains("a column height_m in "), "{message}");
 }

@@ -78,25 +78,28 @@ fn all_keys_of_bodies_and_adhesion_are_read_and_written_back() {
 }
 
 #[test]
-fn keys_of_pillars_and_other_surfaces_are_refused_where_they_stand() {
-    let told = refused(&format!("{BODIES}{FLAT}height_map = \"map.npy\"\n"));
+fn keys_of_pillars_and_other_surfaces_are_refused_at_their_line() {
+    let message = refused(&format!("{BODIES}{FLAT}height_map = \"map.npy\"\n"));
     assert!(
-        told.contains("case.toml:13") && told.contains("a flat surface has no such key"),
-        "{told}"
+        message.contains("case.toml:13") && message.contains("a flat surface has no such key"),
+        "{message}"
     );
-    let told = refused(&format!("{BODIES}{PILLARS}{FLAT}"));
+    let message = refused(&format!("{BODIES}{PILLARS}{FLAT}"));
     assert!(
-        told.contains("[pattern]") && told.contains("[surface]"),
-        "{told}"
+        message.contains("[pattern]") && message.contains("[surface]"),
+        "{message}"
     );
-    let told = refused(&format!("{BODIES}\n[method]\nname = \"punch\"\n"));
-    assert!(told.contains("a flat surface has one method"), "{told}");
-    let told = refused(&format!("{BODIES}\n[floor]\ncontact = false\n"));
-    assert!(told.contains("describe the pillars"), "{told}");
-    let told = refused(&format!(
+    let message = refused(&format!("{BODIES}\n[method]\nname = \"punch\"\n"));
+    assert!(
+        message.contains("a flat surface has one method"),
+        "{message}"
+    );
+    let message = refused(&format!("{BODIES}\n[floor]\ncontact = false\n"));
+    assert!(message.contains("describe the pillars"), "{message}");
+    let message = refused(&format!(
         "{BODIES}\n[adhesion]\nwork = \"50 mJ/m2\"\nfloor = true\n"
     ));
-    assert!(told.contains("adhesion.floor"), "{told}");
+    assert!(message.contains("adhesion.floor"), "{message}");
 }
 
 #[test]
@@ -105,20 +108,20 @@ fn lenses_without_a_disc_of_contact_and_punches_on_pillars_are_refused() {
         let lens = format!("[lens]\nshape = \"{shape}\"");
         refused(&format!("{}{rest}", BODIES.replace("[lens]", &lens)))
     };
-    let told = of_shape("cylinder", "");
+    let message = of_shape("cylinder", "");
     assert!(
-        told.contains("lens.shape") && told.contains("no finite"),
-        "{told}"
+        message.contains("lens.shape") && message.contains("no finite"),
+        "{message}"
     );
-    let told = of_shape("punch", PILLARS);
+    let message = of_shape("punch", PILLARS);
     assert!(
-        told.contains("lens.shape") && told.contains("on a flat surface only"),
-        "{told}"
+        message.contains("lens.shape") && message.contains("on a flat surface only"),
+        "{message}"
     );
-    let told = refused(&BODIES.replace("\"2.2 mm\"", "\"-2.2 mm\""));
-    assert!(told.contains("lens.radius"), "{told}");
-    let told = refused(&format!(
+    let message = refused(&BODIES.replace("\"2.2 mm\"", "\"-2.2 mm\""));
+    assert!(message.contains("lens.radius"), "{message}");
+    let message = refused(&format!(
         "{BODIES}\n[adhesion]\nwork_receding = \"50 mJ/m2\"\n"
     ));
-    assert!(told.contains("adhesion.work"), "{told}");
+    assert!(message.contains("adhesion.work"), "{message}");
 }

@@ -640,14 +640,14 @@ fn missing_points_are_counted_or_filled() {
     // The heights are a plane, which the interpolation continues.
     let rows = "0 1 2 3\n10 BAD BAD 13\n20 21 22 23";
     let error = read_text(sdf(rows), &nothing).unwrap_err().to_string();
-    let told = "2 of 12 heights are missing, the first in column 1, row 1 (counted from 0)";
-    assert!(error.contains(told), "{error}");
+    let message = "2 of 12 heights are missing, the first in column 1, row 1 (counted from 0)";
+    assert!(error.contains(message), "{error}");
     let map = read_text(sdf(rows), &filled).unwrap();
     let height = map.heights()[5];
     assert!((height - 11e-9).abs() < 1e-17, "{height}");
     let error = read_text(sdf(&"BAD ".repeat(12)), &filled).unwrap_err();
     assert!(matches!(error, HeightMapError::Empty { .. }), "{error}");
-    // A list of points that states its units and lacks one point.
+    // A list of points that states its units, with one missing point.
     let point = |k: i32| format!("{} {} {}\n", f64::from(k % 15) * 0.5, k / 15, k % 15);
     let points: String = (0..150).filter(|k| *k != 31).map(point).collect();
     let list = format!("# Lateral units: um\n# Value units: nm\n{points}");
@@ -690,7 +690,7 @@ fn size_and_unit_are_the_callers() {
 }
 
 #[test]
-fn archives_say_what_they_have() {
+fn errors_of_archives_list_their_arrays() {
     let several = fixture("several.npz");
     let error = read(&several).expect_err("two arrays").to_string();
     assert!(
@@ -870,7 +870,7 @@ fn what_does_not_fit_the_memory_is_refused_before_it_is_unpacked() {
     assert!((bytes - 64.0 * 8192.0 * 8192.0).abs() < 1.0);
     let error = failure("map.npz", &packed_zeros("(3, 4)", 1 << 26)).to_string();
     assert!(
-        error.contains("it goes on after its last element"),
+        error.contains("it contains data after its last element"),
         "{error}"
     );
     // A fifth of the unpacked size.

@@ -90,7 +90,7 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
 
 /// The ranges of the table equal those of the solver and of the patterns, which check most of them.
 #[test]
-fn bounds_are_those_that_hold() {
+fn bounds_are_as_documented() {
     let mut bounds = 0;
     for key in Key::ALL {
         let Kind::Number(_) = key.kind() else {
@@ -126,7 +126,7 @@ fn bounds_are_those_that_hold() {
 
 /// A default is the value of the case if the key is left out.
 #[test]
-fn defaults_are_those_that_hold() {
+fn defaults_are_as_documented() {
     let example = Case::example();
     for method in ["spectral", "punch", "love", "homogenised"] {
         let mut full = CaseFile::parse("case.toml", &example.to_toml()).unwrap();
@@ -253,10 +253,11 @@ fn deprecated_names_are_accepted_with_a_warning() {
         assert_eq!(study.case(0).case.pattern(), Some(&new.case().unwrap()));
     }
     let both = with("height_spread = 0.05\nheight_standard_deviation = 0.05");
-    let told = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
+    let message = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
     assert!(
-        told.contains("pattern.height_standard_deviation and pattern.height_spread are both given"),
-        "{told}"
+        message
+            .contains("pattern.height_standard_deviation and pattern.height_spread are both given"),
+        "{message}"
     );
 }
 
@@ -296,9 +297,9 @@ fn the_former_table_is_accepted_with_a_warning() {
         assert!(!study.to_toml().contains("texture")); // former name
     }
     let both = format!("{text}\n[texture]\noffset = 0.5\n"); // former name
-    let told = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
+    let message = CaseFile::parse("case.toml", &both).unwrap_err().one_line();
     let words = "[pattern] and [texture] are both given"; // former name
-    assert!(told.contains(words), "{told}");
+    assert!(message.contains(words), "{message}");
     assert_eq!(Key::at("texture.missing"), Some(Key::VacancyFraction)); // former name
     assert_eq!(Key::at_former("texture.pitch"), Some(Key::Pitch)); // former name
     assert_eq!(Key::at_former("pattern.pitch"), None);
@@ -331,14 +332,14 @@ fn keys_without_effect_are_named() {
     assert!(file.warnings().is_empty());
     file.set("pattern.seed=7").unwrap();
     file.set("pattern.offset_angle=10deg").unwrap();
-    let told = file.warnings().join("; ");
+    let message = file.warnings().join("; ");
     assert!(
-        told.contains("pattern.offset_angle has no effect: the lens axis is on"),
-        "{told}"
+        message.contains("pattern.offset_angle has no effect: the lens axis is on"),
+        "{message}"
     );
     assert!(
-        told.contains("pattern.seed has no effect: nothing is random"),
-        "{told}"
+        message.contains("pattern.seed has no effect: nothing is random"),
+        "{message}"
     );
     file.set("pattern.vacancy_fraction=0.1").unwrap();
     file.set("pattern.offset=0.1").unwrap();
@@ -385,14 +386,14 @@ proptest! {
             };
             format!("{key} = {value}\n")
         });
-        let told = |error: CaseError| {
+        let message = |error: CaseError| {
             let texts = [error.key_path(), Some(error.problem()), error.what_is_accepted()];
             texts.map(|text| text.map(str::to_owned))
         };
         // Compared as text, in which NaN equals NaN.
         let answer = |file: CaseFile| match file.case() {
             Ok(case) => Ok(case.to_toml()),
-            Err(error) => Err(told(error)),
+            Err(error) => Err(message(error)),
         };
         let of_file = CaseFile::parse("a case", &lines.collect::<String>()).unwrap();
         let of_settings = CaseFile::from_settings("a case", settings);

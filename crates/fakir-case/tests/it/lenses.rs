@@ -90,8 +90,8 @@ fn assert_refused(lens: &str, key: &str, problem: &str, accepted: &str) {
     let error = refused(lens);
     assert_eq!(error.key_path(), Some(key), "{}", error.one_line());
     assert!(error.problem().contains(problem), "{}", error.one_line());
-    let told = error.what_is_accepted().unwrap_or("");
-    assert!(told.contains(accepted), "{told}");
+    let message = error.what_is_accepted().unwrap_or("");
+    assert!(message.contains(accepted), "{message}");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn what_does_not_belong_together_is_refused() {
 }
 
 #[test]
-fn endless_lattices_are_refused_under_cylinders_and_plates() {
+fn infinite_lattices_are_refused_under_cylinders_and_plates() {
     for lens in ["shape = 'plate'", "shape = 'cylinder'\nradius = '2.2 mm'"] {
         let text = format!("[lens]\nyoung_modulus = '2 MPa'\npoisson_ratio = 0.5\n{lens}\n{REST}");
         let text = text.replace("columns = 7", "");
@@ -156,7 +156,7 @@ fn endless_lattices_are_refused_under_cylinders_and_plates() {
             "{}",
             error.one_line()
         );
-        assert!(error.problem().contains("touches endlessly many pillars"));
+        assert!(error.problem().contains("touches infinitely many pillars"));
         assert!(
             error
                 .what_is_accepted()

@@ -90,7 +90,7 @@ fn dotted_names_need_no_quotes() {
 }
 
 #[test]
-fn ranges_begin_and_end_where_they_say() {
+fn ranges_include_both_ends() {
     let range = "{ from = 3e-4, to = 0.29, points = 60, spacing = \"log\" }";
     let study = study(&format!("[axes]\nsurface_fraction = {range}"));
     let fractions: Vec<f64> = (0..60)
@@ -297,25 +297,28 @@ fn cases_with_a_surface_vary_along_its_keys() {
 #[test]
 fn surfaces_that_cannot_be_are_found_before_anything_is_computed() {
     let refused = |tables: &str, surface: &str| surface_study(tables, surface).unwrap_err();
-    let told = refused("[axes]\n\"surface.surface_fraction\" = [0.2, 1.2]", PILLARS);
+    let message = refused("[axes]\n\"surface.surface_fraction\" = [0.2, 1.2]", PILLARS);
     assert!(
-        told.starts_with("study.toml:2:36: surface.surface_fraction: cannot be 1.2"),
-        "{told}"
+        message.starts_with("study.toml:2:36: surface.surface_fraction: cannot be 1.2"),
+        "{message}"
     );
-    let told = refused("[axes]\n\"surface.pitch\" = [\"12 um\", \"5 um\"]", PILLARS);
+    let message = refused("[axes]\n\"surface.pitch\" = [\"12 um\", \"5 um\"]", PILLARS);
     assert!(
-        told.starts_with("study.toml:2:29: surface.pitch: neighbouring pillars overlap"),
-        "{told}"
+        message.starts_with("study.toml:2:29: surface.pitch: neighbouring pillars overlap"),
+        "{message}"
     );
     // For random patterns the positions of the pillars differ.
     let random = PILLARS.replace("square\"\nsurf", "random\"\nsurf");
-    let told = refused("[axes]\n\"surface.surface_fraction\" = [0.1, 0.9]", &random);
+    let message = refused("[axes]\n\"surface.surface_fraction\" = [0.1, 0.9]", &random);
     assert!(
-        told.contains("found a place") && told.contains("in case 1"),
-        "{told}"
+        message.contains("could be placed") && message.contains("in case 1"),
+        "{message}"
     );
-    let told = refused("[axes]\n\"surface.side\" = [\"5 um\"]", PILLARS.trim_end());
-    assert!(told.contains("did you mean surface.pillar.side?"), "{told}");
+    let message = refused("[axes]\n\"surface.side\" = [\"5 um\"]", PILLARS.trim_end());
+    assert!(
+        message.contains("did you mean surface.pillar.side?"),
+        "{message}"
+    );
 }
 
 /// A height map that is an axis is searched for next to the study; without a floor there is no
@@ -350,12 +353,12 @@ fn maps_are_an_axis_too() {
     assert!(missing.to_string().contains("none.npy"), "{missing}");
     let no_floor = study("question = \"transition\"", "[\"low.npy\"]").unwrap_err();
     assert_eq!(no_floor.key_path(), Some("surface.height_map"));
-    let told = no_floor.one_line();
+    let message = no_floor.one_line();
     assert!(
-        told.contains("surface.floor: this key is missing"),
-        "{told}"
+        message.contains("surface.floor: this key is missing"),
+        "{message}"
     );
-    assert!(told.contains("give the height at or below"), "{told}");
+    assert!(message.contains("give the height at or below"), "{message}");
 }
 
 /// A surface that exceeds the default memory limit can be solved with a larger limit.

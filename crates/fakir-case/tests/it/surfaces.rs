@@ -339,7 +339,7 @@ fn height_maps_are_sought_next_to_the_case_file() {
 }
 
 #[test]
-fn a_surface_too_large_for_memory_says_what_would_fit() {
+fn the_error_of_a_surface_too_large_for_memory_states_what_fits() {
     let error = with(&["surface.grid.cells_per_diameter=200"]).unwrap_err();
     assert_eq!(error.key_path(), Some(Key::GridWidth.path()));
     // 5334 by 5334 cells, at least 64 bytes each: 4.3 times too fine.
@@ -413,20 +413,20 @@ fn bases_without_a_thickness_and_adhesion_are_refused() {
             "surface.array: only a height map has this key",
         ),
     ] {
-        let told = with(&[setting]).unwrap_err().one_line();
+        let message = with(&[setting]).unwrap_err().one_line();
         assert!(
-            told.starts_with("--set:1:") && told.contains(words),
-            "{told}"
+            message.starts_with("--set:1:") && message.contains(words),
+            "{message}"
         );
-        assert!(told.contains("leave"), "{told}");
+        assert!(message.contains("leave"), "{message}");
     }
     let map = "lens = { radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
                substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }\n\
                surface = { height_map = 'tests/height_maps/savetxt.txt', array = 'heights', cell_size = 1e-6 }";
     let file = CaseFile::parse("case.toml", map).unwrap();
-    let told = file.surface_case(MEMORY).unwrap_err().one_line();
+    let message = file.surface_case(MEMORY).unwrap_err().one_line();
     assert!(
-        told.contains("surface.array: only .npz files have named arrays"),
-        "{told}"
+        message.contains("surface.array: only .npz files have named arrays"),
+        "{message}"
     );
 }

@@ -52,7 +52,7 @@ pub(crate) fn run(options: &Cite) -> Result<Status, Failure> {
     Ok(DONE)
 }
 
-/// What the results of a folder say themselves.
+/// References in the results of a folder.
 fn of_folder(folder: &Path) -> Result<CiteJson, Failure> {
     let path = folder.join(FILE_NAME);
     let provenance = Provenance::read(&path)
@@ -92,7 +92,7 @@ fn of_method(method: CitedMethod) -> CiteJson {
             vec![Topic::Method(Method::Spectral(Accuracy::Default))],
         ),
         CitedMethod::Love => (
-            "Love elements",
+            "boundary elements",
             vec![Topic::Method(Method::Love(ElementMesh::default()))],
         ),
         CitedMethod::Punch => (
@@ -121,7 +121,7 @@ fn text(cited: &CiteJson) -> String {
     text
 }
 
-/// Adds a paragraph in lines of at most [`WIDTH`] characters, as far as words allow.
+/// Adds a paragraph in lines of at most [`WIDTH`] characters; longer words are not divided.
 fn wrap(text: &mut String, paragraph: &str, indent: &str) {
     let mut line = indent.to_owned();
     for word in paragraph.split(' ') {

@@ -29,7 +29,7 @@ pub(crate) fn run(case: &Case, session: &Session) -> Result<Report, Failure> {
         provenance,
         tables: vec![csv("compare.csv", &found.summary.methods)],
         converged: found.summary.converged,
-        strained: Vec::new(),
+        exceeded: Vec::new(),
         warnings: found.warnings,
     })
 }
@@ -64,7 +64,7 @@ fn text(case: &Case, summary: &CompareSummary) -> String {
             row.processor_time_s.map_or("-".to_owned(), seconds)
         }),
     ];
-    let sticks = if case.system.adhesion().is_none() {
+    let adhesive = if case.system.adhesion().is_none() {
         ""
     } else {
         "\nOnly the method spectral has adhesion: the other numbers are without it, and confirm nothing of it.\n"
@@ -77,7 +77,7 @@ fn text(case: &Case, summary: &CompareSummary) -> String {
         format!("\nDifferences are from \"{name}\"; threads: {threads}.\n")
     });
     format!(
-        "Comparison of methods\n{}\n\n{}{against}{remarks}{sticks}",
+        "Comparison of methods\n{}\n\n{}{against}{remarks}{adhesive}",
         pillar_pattern_line(&case.system),
         table(rows, &columns),
     )

@@ -1,4 +1,4 @@
-//! `fakir design`: the value that gives a wanted critical state, pull-off force or floor share, and how far real samples scatter
+//! `fakir design`: the value for a target critical state, pull-off force or floor share, and the scatter of real samples
 //! about it.
 
 use crate::arguments::Design as Options;
@@ -23,10 +23,10 @@ use fakir_study::report::table::{Column, list, table};
 use fakir_study::result::{cycle_warnings, json, warnings};
 use std::time::Instant;
 
-/// The report of a design, and whether it found what was wanted.
+/// The report of a design, and whether the target is attained.
 pub(crate) struct Designed {
     pub(crate) report: Report,
-    /// Whether there is a value that gives what is wanted.
+    /// Whether the target is attainable.
     pub(crate) found: bool,
 }
 
@@ -110,7 +110,7 @@ pub(crate) fn run(
             && scatter
                 .as_ref()
                 .is_none_or(|scatter| scatter.failures().next().is_none()),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     };
     Ok(Designed { report, found })
 }
@@ -146,7 +146,7 @@ fn design_text(answer: &Answer, case: &Case) -> String {
     )
 }
 
-/// What was found at the load of a wanted floor share.
+/// The contact at the load of a target floor share.
 fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
     let mut rows = QuantityList::default();
     let reduced = Normalized::new(
@@ -170,7 +170,7 @@ fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
     rows.text()
 }
 
-/// The cycle that was found for a wanted pull-off force.
+/// The cycle for a target pull-off force.
 fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
     let mut rows = QuantityList::default();
     fakir_study::answer::turn_and_pull_off(&mut rows, cycle);
@@ -180,7 +180,7 @@ fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
     rows.text()
 }
 
-/// How far what is wanted changes with the value, and of what per cent it is.
+/// Sensitivity of the target quantity to the free parameter, per cent per per cent, and its description.
 fn sensitivity(answer: &Answer) -> Option<(String, String)> {
     let Design::Found { sensitivity, .. } = &answer.design else {
         return None;
@@ -233,7 +233,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
         format!(", normal {}", varied.join(", "))
     };
     let seeded = spread.samples.iter().any(|it| it.pillar_seed.is_some());
-    let pillars = if seeded { ", pillars drawn anew" } else { "" };
+    let pillars = if seeded { ", pillars redrawn" } else { "" };
     let head = format!(
         "Spread of {} samples, {landing}{pillars}{varied}",
         sampling.samples
@@ -285,7 +285,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
             hysteresis: None,
             forces: Vec::new(),
         };
-        // Under the deviation that it stands beside.
+        // Below the deviation.
         rows.insert(2, row);
     }
     let mut columns = vec![
@@ -299,7 +299,7 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
         Column::length("indentation", &rows, |row| Some(row.indentation)),
         Column::length("contact radius", &rows, |row| row.radius),
     ];
-    if spread.sticks() {
+    if spread.is_adhesive() {
         columns.push(Column::force(
             "pull-off",
             &rows,
@@ -334,7 +334,7 @@ struct StatisticRow {
     radius: Option<f64>,
     pull_off: Option<f64>,
     hysteresis: Option<f64>,
-    /// At the indentations that were asked for.
+    /// At the requested indentations.
     forces: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! `fakir explore`: the explorer in the browser.
 
 use crate::arguments::Explore;
-use crate::failure::{DONE, Failure, Status, tell};
+use crate::failure::{DONE, Failure, Status, report_line};
 use crate::session::{stop_on_interrupt, threads};
 use fakir::state::CancelToken;
 use fakir_case::Case;
@@ -19,10 +19,10 @@ pub(crate) fn run(arguments: &Explore, case: Case) -> Result<Status, Failure> {
     let address = explorer.address();
     let stop = CancelToken::default();
     stop_on_interrupt(stop.clone());
-    tell(&format!("exploring at {address}"));
-    tell("Ctrl-C ends it");
+    report_line(&format!("exploring at {address}"));
+    report_line("Ctrl-C ends it");
     if !arguments.no_browser && open::that_detached(&address).is_err() {
-        tell("no browser could be opened: go to the address above");
+        report_line("no browser could be opened: go to the address above");
     }
     explorer.run(&stop)?;
     Ok(DONE)

@@ -62,9 +62,9 @@ pub(crate) fn run(
     let misfit = fitted.misfit_statement();
     let mut warnings = fitted.warnings();
     warnings.retain(|warning| Some(warning) != misfit.as_ref());
-    let mut strained = strained_words(&fitted.limits);
+    let mut exceeded = exceeded_limits(&fitted.limits);
     if misfit.is_some() {
-        strained.push("the fit does not describe the data".to_owned());
+        exceeded.push("the fit does not describe the data".to_owned());
     }
     let report = Report {
         json: json(&FitSummary::new(data, &fitted, wall_time)),
@@ -73,7 +73,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: fitted.converged(),
-        strained,
+        exceeded,
     };
     Ok(Fitted {
         report,
@@ -201,7 +201,7 @@ fn understood(data: &Measurements) -> String {
     lines.map(|line| format!("  {line}\n")).collect()
 }
 
-/// Whether the fit describes the data, and where its searches began.
+/// Whether the fit describes the data, and the starting points of its searches.
 fn description(fitted: &Fit) -> String {
     let misfit = &fitted.misfit;
     let least = |values: &mut dyn Iterator<Item = f64>| values.fold(1.0, f64::min);
@@ -215,8 +215,7 @@ fn description(fitted: &Fit) -> String {
     }
     if let Some(left) = misfit.left_out.first() {
         parts.push(format!(
-            "of {} parameters held most suspect {}, p = {}",
-            misfit.left_out.len(),
+            "fixed parameter most likely wrong: {} (p = {})",
             left.parameter.name(),
             significant(left.p_value, 2)
         ));
@@ -237,7 +236,7 @@ fn description(fitted: &Fit) -> String {
     text
 }
 
-/// The pull-off as measured and as fitted, and what the model does not know of it.
+/// The pull-off as measured and as fitted, and the error of the model.
 fn pull_off_words(pull_off: &FittedPullOff) -> String {
     let force = |force| with_unit(force, Dimension::Force, 3);
     let of_work = pull_off.work_error.map_or(String::new(), |error| {

@@ -1,4 +1,4 @@
-//! `fakir design --free heights`: heights of rounded pillar tops for a wanted curve.
+//! `fakir design --free heights`: heights of rounded pillar tops for a target curve.
 
 use crate::arguments::HeightsQuestion;
 use crate::commands::design::Designed;
@@ -56,7 +56,7 @@ pub(crate) fn run(
     }
     let provenance = Provenance::new(
         format!(
-            "heights for a wanted {}, seed {}",
+            "heights for a target {}, seed {}",
             found.curve.words(),
             question.seed
         ),
@@ -81,7 +81,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: found.is_answer(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     };
     Ok(Designed {
         report,
@@ -97,7 +97,7 @@ fn unresolved_before_last(found: &PillarHeights) -> Option<String> {
     (load < largest).then(|| format!("{words}: {unresolved}"))
 }
 
-/// The failure, at its line of the wanted curve if it is one of its points.
+/// The failure, at its line of the target curve if it is one of its points.
 fn located(error: PillarHeightsError, target: &Target) -> Failure {
     use HeightDesignError as E;
     let number = match &error {
@@ -115,7 +115,7 @@ fn located(error: PillarHeightsError, target: &Target) -> Failure {
     }
 }
 
-/// What to be careful about if errors of the heights are as large as contacts are deep: then they scatter values by more, or less, than the derivatives say.
+/// Warning if errors of the heights are as large as contacts are deep: the scatter of values is then larger or smaller than computed from the derivatives.
 fn large_scatter(found: &PillarHeights, height_error: f64) -> Option<String> {
     let asperities = found
         .case
@@ -203,7 +203,7 @@ fn text(found: &PillarHeights, height_error: Option<f64>, wall_time: f64) -> Str
     let rows: Vec<Row> = points.iter().map(row).collect();
     let mut columns = vec![
         Column::right(&loads.heading(""), |row: &Row| row.load.clone()),
-        Column::right(&values.heading("wanted "), |row: &Row| row.wanted.clone()),
+        Column::right(&values.heading("target "), |row: &Row| row.wanted.clone()),
         Column::right("off by (%)", |row: &Row| row.off.clone()),
         Column::right("interactions ignored (%)", |row: &Row| row.ignored.clone()),
         Column::right("pillars", |row: &Row| row.pillars.clone()),

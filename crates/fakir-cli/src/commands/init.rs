@@ -1,7 +1,7 @@
 //! `fakir init`: a case file to start from, and the reference of all keys.
 
 use crate::arguments::Init;
-use crate::failure::{DONE, Failure, Status, tell};
+use crate::failure::{DONE, Failure, Status, report_line};
 use crate::standard::print;
 use fakir_case::{Case, reference};
 use fakir_study::output::{OutputError, Replace, save_file};
@@ -23,7 +23,7 @@ pub(crate) fn run(options: &Init) -> Result<Status, Failure> {
     };
     save_file(&options.file, text.as_bytes(), replace).map_err(explained)?;
     let file = options.file.display();
-    tell(&format!("wrote {file}; next: fakir transition {file}"));
+    report_line(&format!("wrote {file}; next: fakir transition {file}"));
     Ok(DONE)
 }
 

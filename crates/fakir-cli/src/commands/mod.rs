@@ -1,4 +1,4 @@
-//! One module for each command: what it asks the library, and its report.
+//! One module for each command: its call of the library, and its report.
 
 pub(crate) mod cite;
 pub(crate) mod compare;

@@ -1,8 +1,8 @@
-//! `fakir reproduce`: every result of the paper anew, and the study of adhesion that it announced.
+//! `fakir reproduce`: reproduces every result of the paper, and the study of adhesion that it announced.
 
 use crate::arguments::{Publication, Reproduce};
 use crate::commands::sweep::{Bar, warn};
-use crate::failure::{Failure, Status, tell};
+use crate::failure::{Failure, Status, report_line};
 use crate::numbers::seconds;
 use crate::session::{stop_on_interrupt, threads};
 use crate::standard;
@@ -32,14 +32,14 @@ pub(crate) fn run(arguments: &Reproduce) -> Result<Status, Failure> {
     let bar = Mutex::new(Bar::new(arguments.quiet));
     let result = match arguments.publication {
         Publication::Paper => paper(arguments, &run, &bar, start),
-        Publication::Adhesion => sticking(arguments, &run, &bar, start),
+        Publication::Adhesion => adhesion_study(arguments, &run, &bar, start),
     };
     if let Ok(bar) = bar.lock() {
         bar.clear();
     }
     let (text, failed) = match result {
         Err(Failure::Study(error @ StudyError::Interrupted { .. })) => {
-            tell(&format!("{error}: --resume goes on"));
+            report_line(&format!("{error}: --resume continues"));
             return Ok(crate::failure::INTERRUPTED);
         }
         other => other?,
@@ -104,7 +104,7 @@ fn paper(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant)
     Ok((text, made.failed))
 }
 
-fn sticking(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
+fn adhesion_study(arguments: &Reproduce, run: &Run<'_>, bar: &Mutex<Bar>, start: Instant) -> Made {
     let scope = if arguments.quick {
         adhesion::study::Scope::quick()
     } else {

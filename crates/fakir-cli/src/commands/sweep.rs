@@ -1,7 +1,7 @@
 //! `fakir sweep` and `fakir merge`: the cases of a study, and the tables of their answers.
 
 use crate::arguments::{Merge, Sweep};
-use crate::failure::{Failure, Status, tell};
+use crate::failure::{Failure, Status, report_line};
 use crate::numbers::seconds;
 use crate::session::{PATIENCE, stop_on_interrupt, threads};
 use crate::standard;
@@ -51,10 +51,10 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
     let summary = match result {
         Err(StudyError::Interrupted { done, cases }) => {
             let advice = match arguments.output {
-                Some(_) => "--resume goes on",
+                Some(_) => "--resume continues",
                 None => "nothing is kept without --output",
             };
-            tell(&format!(
+            report_line(&format!(
                 "interrupted after {done} of {cases} cases: {advice}"
             ));
             return Ok(crate::failure::INTERRUPTED);
@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &Sweep) -> Result<Status, Failure> {
             standard::print(&Table::new(&summary.study, &summary.rows).to_csv())?;
             if !arguments.quiet {
                 for line in reasons(&summary) {
-                    tell(&format!("warning: {line}"));
+                    report_line(&format!("warning: {line}"));
                 }
             }
         }
@@ -104,11 +104,11 @@ fn object(summary: &Summary, folder: Option<&Path>, wall_time: Option<f64>) -> S
 /// Names what of a study has no effect.
 fn warn_of_study(study: &Study) {
     for warning in study.warnings() {
-        tell(&format!("warning: {warning}"));
+        report_line(&format!("warning: {warning}"));
     }
 }
 
-/// Names lines of a journal that are left out, and says what becomes of their cases.
+/// Lists ignored lines of a journal, and states whether their cases are solved again.
 pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
     let cases = if complete {
         "every case is in another line"
@@ -116,7 +116,7 @@ pub(crate) fn warn(damaged: &[DamagedLine], complete: bool) {
         "its case is computed again"
     };
     for line in damaged {
-        tell(&format!("warning: {line}; {cases}"));
+        report_line(&format!("warning: {line}; {cases}"));
     }
 }
 
@@ -235,7 +235,7 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
         Asked::Transition => "critical states",
         Asked::Press => "contacts under a load",
         Asked::Cycle => "cycles of loading and unloading with adhesion",
-        Asked::Collapse => "collapses of a floor that sticks",
+        Asked::Collapse => "collapses of an adhesive floor",
     };
     let all = summary.rows.len();
     let mut text = format!("{all} of {} cases: {asked}\n", summary.study.cases());

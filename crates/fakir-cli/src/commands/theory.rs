@@ -12,8 +12,8 @@ use fakir_study::report::Report;
 use fakir_study::report::state::{QuantityList, pillar_pattern_line};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
-    ANNULI_ALONE, AdhesionObject, CoefficientRow, Constants, CurveRow, FormulaRow, PullOffRow,
-    StuckFloorObject, SumRow, TheorySummary, csv, json,
+    ANNULI_ALONE, AdhesionObject, AdhesiveFloorObject, CoefficientRow, Constants, CurveRow,
+    FormulaRow, PullOffRow, SumRow, TheorySummary, csv, json,
 };
 
 pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
@@ -23,7 +23,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
     let mut topics = vec![Topic::ClosedForms, Topic::Method(Method::Homogenised)];
     topics.extend(adhesion.map(|_| Topic::Adhesion));
     let floor = adhesion.and_then(|it| it.stuck_floor);
-    topics.extend(floor.map(|_| Topic::StuckFloor));
+    topics.extend(floor.map(|_| Topic::AdhesiveFloor));
     topics.extend(range.map(|_| Topic::AttractionRange));
     let pull_off = adhesion.map(|it| csv("pull_off.csv", &it.pull_off));
     Ok(Report {
@@ -32,7 +32,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
             format!("Closed forms\n{}\n", pillar_pattern_line(system)),
             constants_text(&summary.constants, summary.no_homogenised.as_ref()),
             adhesion.map_or(String::new(), adhesion_text),
-            floor.map_or(String::new(), |floor| stuck_floor_text(&floor)),
+            floor.map_or(String::new(), |floor| adhesive_floor_text(&floor)),
             critical_text(
                 &summary.critical_states,
                 &summary.constants,
@@ -62,7 +62,7 @@ pub(crate) fn run(case: &Case, range: Option<f64>) -> Result<Report, Failure> {
         .collect(),
         warnings: warnings(system, summary.no_homogenised.as_ref()),
         converged: true,
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     })
 }
 
@@ -107,7 +107,7 @@ fn constants_text(constants: &Constants, no_homogenised: Option<&SolveError>) ->
         "gamma_int",
         per_mpa(constants.internal_compliance_per_Pa),
         "1/MPa",
-        "a lone pillar gives way by gamma_int F/d",
+        "compression of a lone pillar: gamma_int F/d",
     )
     .row(
         "gamma_ext",
@@ -157,15 +157,15 @@ fn adhesion_text(adhesion: &AdhesionObject) -> String {
     let strain = significant(adhesion.kendall_strain, 2);
     let range = match (adhesion.tabor_number, adhesion.attraction_range_m) {
         (Some(number), Some(range)) => format!(
-            "The Tabor number of a pillar top is {} for a range of {}; the range counts as small from 5 on.\n",
+            "The Tabor number of a pillar top is {} for a range of {}; the range is small enough from 5 on.\n",
             significant(number, 3),
             format_quantity(range, Dimension::Length)
         ),
         _ => String::new(),
     };
     format!(
-        "{}\nWork of adhesion where tops part: {work}. A flat pillar alone comes off at Kendall's force; under the\n\
-         lens its roundness helps. A tilted one begins to peel at that force, and holds on for a while; the tilt is\n\
+        "{}\nWork of adhesion on detachment: {work}. A single flat pillar detaches at Kendall's force; under the\n\
+         lens its roundness helps. A tilted one starts to peel at that force, and detaches later; the tilt is\n\
          that of the lens at the contact radius of the large-contact formulas. The bare substrate is that of Johnson,\n\
          Kendall and Roberts, and with a range of attraction that of Maugis. The stress at pull-off is {strain} of\n\
          Young's modulus of the substrate; the model is doubtful from 0.3 on.\n{range}",
@@ -173,15 +173,15 @@ fn adhesion_text(adhesion: &AdhesionObject) -> String {
     )
 }
 
-/// What a floor would do that sticks as well.
-fn stuck_floor_text(floor: &StuckFloorObject) -> String {
+/// Closed forms for an adhesive floor.
+fn adhesive_floor_text(floor: &AdhesiveFloorObject) -> String {
     let none = || "-".to_owned();
     let mut list = QuantityList::default();
     match floor.annulus_radius_m {
         Some(radius) => {
             let pitches = floor.annulus_radius_in_pitches.unwrap_or(f64::NAN);
             let remark = if pitches > ANNULI_ALONE {
-                "too wide for a pillar alone"
+                "too wide for a single pillar"
             } else {
                 "round every pillar, without pressure"
             };
@@ -193,7 +193,7 @@ fn stuck_floor_text(floor: &StuckFloorObject) -> String {
                 "free annulus up to",
                 none(),
                 "",
-                "none: the work is immense",
+                "none: the work is too large",
             );
         }
     }
@@ -213,14 +213,14 @@ fn stuck_floor_text(floor: &StuckFloorObject) -> String {
     );
     match floor.net_work_J_per_m2 {
         Some(work) => {
-            let remark = "less what bends round the pillars".to_owned();
-            list.quantity("a stuck floor wins", work, per_area, 4, remark);
+            let remark = "less the energy of bending round the pillars".to_owned();
+            list.quantity("bonded floor gains", work, per_area, 4, remark);
         }
         None => {
-            list.row("a stuck floor wins", none(), "", "annuli fill the cells");
+            list.row("bonded floor gains", none(), "", "annuli fill the cells");
         }
     }
-    let remark = "under more the floor comes off on and on".to_owned();
+    let remark = "above it the floor detaches completely".to_owned();
     list.quantity(
         "tension on a lone pillar",
         floor.largest_tension_Pa,
@@ -234,13 +234,13 @@ fn stuck_floor_text(floor: &StuckFloorObject) -> String {
         "radius, under a lens that is not bent".to_owned(),
     );
     format!(
-        "A floor that sticks as the tops do\n{}\nEach pillar is taken alone, which is right for annuli up to {ANNULI_ALONE} of the pitch. No method answers with such a\n\
+        "A floor with the adhesion of the tops\n{}\nInteractions of annuli are neglected, which is accurate for annuli up to {ANNULI_ALONE} of the pitch. No method computes such a\n\
          floor here: these are closed forms.\n",
         list.text()
     )
 }
 
-fn critical_text(rows: &[FormulaRow], constants: &Constants, sticks: bool) -> String {
+fn critical_text(rows: &[FormulaRow], constants: &Constants, adhesive: bool) -> String {
     let length = |name, value| Column::quantity(name, Dimension::Length, rows, value);
     let columns = [
         Column::text("Critical state", |row: &FormulaRow| row.name.to_owned()),
@@ -255,8 +255,8 @@ fn critical_text(rows: &[FormulaRow], constants: &Constants, sticks: bool) -> St
         }),
     ];
     let in_text = with_unit(constants.contact_radius_in_text_m, Dimension::Length, 6);
-    let without = if sticks {
-        "\nThese are without adhesion: no formula for the critical state has it.\n"
+    let without = if adhesive {
+        "\nThese are without adhesion: no formula for the critical state includes it.\n"
     } else {
         "\n"
     };

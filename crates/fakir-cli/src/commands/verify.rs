@@ -1,4 +1,4 @@
-//! `fakir verify`: the spectral method and Love elements on the same question.
+//! `fakir verify`: the spectral method and boundary elements on the same question.
 
 use crate::failure::{Failure, not_answered};
 use crate::numbers::{DIGITS, seconds, significant};
@@ -23,7 +23,7 @@ use std::time::Instant;
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
 
-/// A second opinion on a case of any kind that has one.
+/// Verification of a case of any kind that supports it.
 pub(crate) fn run(
     case: &AnyCase,
     load: Load,
@@ -65,7 +65,7 @@ fn of_pillars(
             .flat_map(warnings)
             .collect(),
         converged: verification.agrees(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     })
 }
 
@@ -117,7 +117,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     let verdict = match verification.verdict() {
         Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
         Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
-        Verdict::CannotTell(doubt) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
     };
     format!(
         "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
@@ -128,7 +128,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
         verification
             .floor_share
             .map_or(String::new(), |share| difference(
-                "the share of the floor",
+                "the fraction on the floor",
                 share
             )),
         seconds(wall_time)
@@ -180,7 +180,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         }),
     ];
     let verdict = match found.verdict() {
-        (_, Some(doubt)) => format!("IT CANNOT BE TOLD whether they agree: {doubt}"),
+        (_, Some(doubt)) => format!("INCONCLUSIVE: {doubt}"),
         _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
         _ => "THE TWO MESHES DISAGREE beyond their error estimates".to_owned(),
     };
@@ -197,7 +197,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         ),
         provenance: Provenance::new(
             control_words(control),
-            format!("Love elements, {coarse} against {fine} cells across a pillar"),
+            format!("boundary elements, {coarse} against {fine} cells across a pillar"),
             &[Topic::of_surface(case)],
             case.to_toml(),
         ),
@@ -208,7 +208,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
             .flat_map(|answered| warnings(&answered.answer))
             .collect(),
         converged: found.agrees(),
-        strained: Vec::new(),
+        exceeded: Vec::new(),
     }
 }
 

@@ -164,7 +164,7 @@ fn a_cycle_is_saved_with_its_tables_and_figures() {
 }
 
 #[test]
-fn a_cycle_turns_where_it_is_told_to() {
+fn a_cycle_has_the_given_unloading_point() {
     let bench = Bench::new();
     let cycle = |end: [&str; 2]| bench.json(&["cycle", &adhesive(), end[0], end[1]]);
     let by_indentation = cycle(["--to", "2um"]);
@@ -181,7 +181,7 @@ fn a_cycle_turns_where_it_is_told_to() {
 
 /// With the floor ignored the loading continues past the critical state, which is reported.
 #[test]
-fn without_floor_the_cycle_goes_past_the_critical_state() {
+fn without_floor_the_cycle_continues_past_the_critical_state() {
     let bench = Bench::new();
     let arguments = ["cycle", &adhesive(), "--to", "6um", "--without-floor"];
     let result = bench.json(&arguments);
@@ -203,7 +203,7 @@ fn what_cannot_be_is_refused() {
     let attempts: [(&[&str], &str); 17] = [
         (
             &["transition", &plain, "--attraction-range", "5nm"],
-            "--attraction-range needs pillar tops that stick",
+            "--attraction-range needs adhesive pillar tops",
         ),
         (
             &["theory", &case, "--attraction-range", "0nm"],
@@ -225,7 +225,7 @@ fn what_cannot_be_is_refused() {
             "unexpected argument",
         ),
         (&["verify", &case], "there is no second method for adhesion"),
-        (&["cycle", &plain], "a cycle needs pillar tops that stick"),
+        (&["cycle", &plain], "a cycle needs adhesive pillar tops"),
         (
             &["cycle", &surface],
             "adhesion is supported only on round pillars with flat tops",
@@ -333,7 +333,7 @@ fn elements_verify_the_contact_without_adhesion_only() {
 
 /// No number of a comparison is presented as including adhesion if it does not.
 #[test]
-fn a_comparison_says_what_is_without_adhesion() {
+fn a_comparison_marks_methods_without_adhesion() {
     let bench = Bench::new();
     let few = ["--set", "pattern.surface_fraction=0.003"];
     let case = adhesive();
@@ -393,7 +393,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
     assert_close(&force("maugis_dugdale"), -1.5 * pi * work * 2.2e-3, 1e-3);
     let tabor = (8.0 * work * radius / (pi * modulus)).sqrt() / 5e-9;
     assert_close(&adhesion["tabor_number"], tabor, 1e-12);
-    // All other results are without adhesion, and say so.
+    // All other results are without adhesion, and are marked as such.
     let plain = bench.json(&["theory", &adhesive(), "--set", "adhesion.work=0"]);
     assert_eq!(plain["adhesion"], Value::Null);
     assert_eq!(plain["critical_states"], found["critical_states"]);
@@ -412,7 +412,7 @@ fn theory_has_the_closed_forms_of_adhesion() {
 
 /// If the range of the attraction is too large for the short-range assumption, results report it.
 #[test]
-fn a_range_of_attraction_tells_whether_it_counts_as_small() {
+fn a_range_of_attraction_is_compared_with_its_limit() {
     let bench = Bench::new();
     let case = adhesive();
     let few = ["--set", "pattern.surface_fraction=0.003"];
@@ -422,29 +422,25 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
         &["cycle", &case],
     ];
     for command in commands {
-        for (range, strained, words) in [
+        for (range, exceeded, words) in [
             (
                 "5nm",
                 false,
-                "above 5: the range counts as small (JKR limit)",
+                "above 5: the range is small enough (JKR limit)",
             ),
-            (
-                "0.5um",
-                true,
-                "below 5: the range does not count as small (JKR limit)",
-            ),
+            ("0.5um", true, "below 5: the range is too large (JKR limit)"),
         ] {
             let arguments = [command, &few, &["--attraction-range", range]].concat();
             let found = bench.json(&[&arguments[..], &["--quiet"]].concat());
             let limits = found["limits"].as_array().unwrap();
             let tabor = limits.iter().find(|limit| limit["name"] == "tabor_number");
-            assert_eq!(tabor.unwrap()["strained"], strained, "{arguments:?}");
+            assert_eq!(tabor.unwrap()["strained"], exceeded, "{arguments:?}");
             let outcome = bench.run(&arguments);
             assert!(outcome.stdout.contains(words), "{}", outcome.stdout);
             let warned = outcome
                 .stderr
-                .contains("does not count as small (Tabor number");
-            assert_eq!(warned, strained, "{}", outcome.stderr);
+                .contains("is too large for the model, the JKR limit (Tabor number");
+            assert_eq!(warned, exceeded, "{}", outcome.stderr);
         }
         let without = bench.json(&[command, &few].concat());
         let limits = without["limits"].as_array().unwrap();
@@ -454,7 +450,7 @@ fn a_range_of_attraction_tells_whether_it_counts_as_small() {
 
 /// The work of adhesion scatters like any quantity: pull-off is reported for every sample, and no negative work is drawn.
 #[test]
-fn samples_that_stick_tell_how_pull_off_scatters() {
+fn adhesive_samples_have_the_scatter_of_pull_off() {
     let bench = Bench::new();
     let case = adhesive();
     let arguments = [
@@ -501,7 +497,7 @@ fn samples_that_stick_tell_how_pull_off_scatters() {
             .files("found")
             .contains(&"pull-off-spread.svg".to_owned())
     );
-    // One of these is the cycle of its own case.
+    // One of these is the cycle of a separate case.
     let work = format!("adhesion.work={}", rows[0][0]);
     let alone = bench.json(&[
         "cycle",

@@ -169,7 +169,7 @@ fn fields_count_against_the_memory_limit() {
     assert!(
         outcome.stderr.contains(
             "fields at 4194304 points take 536.9 MB of memory; the limit is 100.0 MB: raise the limit, \
-             or ask for at most 781250 points, such as 883 by 883"
+             or request at most 781250 points, such as 883 by 883"
         ),
         "{}",
         outcome.stderr
@@ -182,7 +182,7 @@ fn fields_count_against_the_memory_limit() {
 fn more_threads_than_processors_are_warned_of() {
     let bench = Bench::new();
     let processors = std::thread::available_parallelism().unwrap();
-    let told =
+    let message =
         format!("warning: 9999 threads exceed the number of processors: {processors} are used\n");
     bench.write(
         "study.toml",
@@ -198,7 +198,7 @@ fn more_threads_than_processors_are_warned_of() {
         let outcome = bench.run(&[arguments, &["--threads", "9999"]].concat());
         assert_eq!(
             (outcome.status, &outcome.stderr),
-            (Some(0), &told),
+            (Some(0), &message),
             "{arguments:?}"
         );
     }
@@ -211,27 +211,27 @@ fn more_threads_than_processors_are_warned_of() {
     ]);
 }
 
-/// An endless device in place of every file that is read.
+/// A device without an end in place of every file that is read.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_has_no_end_is_not_read_for_ever() {
     let bench = Bench::new();
-    let endless = "/dev/zero";
+    let device = "/dev/zero";
     bench.write(
         "study.toml",
-        &format!("[study]\ncase = \"{endless}\"\n[axes]\npitch = [40e-6]\n"),
+        &format!("[study]\ncase = \"{device}\"\n[axes]\npitch = [40e-6]\n"),
     );
     let case = intermediate();
     let attempts: [(&[&str], &str); 6] = [
-        (&["transition", endless], "it has more than 4 MB"),
-        (&["sweep", endless], "it has more than 16 MB"),
-        (&["cite", endless], "it has more than 4 MB"),
+        (&["transition", device], "it has more than 4 MB"),
+        (&["sweep", device], "it has more than 16 MB"),
+        (&["cite", device], "it has more than 4 MB"),
         (
-            &["fit", endless, "--case", &case, "--free", "contact_point"],
+            &["fit", device, "--case", &case, "--free", "contact_point"],
             "it has more than 16 MB",
         ),
         (
-            &["reproduce", "paper", "--output", "x", "--measured", endless],
+            &["reproduce", "paper", "--output", "x", "--measured", device],
             "it has more than 16 MB",
         ),
         (&["sweep", "study.toml"], "there is no file /dev/zero"),
@@ -241,10 +241,10 @@ fn what_has_no_end_is_not_read_for_ever() {
         assert_eq!(outcome.status, Some(2), "{arguments:?}: {}", outcome.stderr);
         assert!(outcome.stderr.contains(explanation), "{}", outcome.stderr);
     }
-    let endless = std::fs::File::open(endless).unwrap();
+    let device = std::fs::File::open(device).unwrap();
     let outcome = bench
         .command(&["transition", "-"])
-        .stdin(endless)
+        .stdin(device)
         .output()
         .unwrap();
     let outcome = Outcome::of(&outcome);
@@ -261,18 +261,18 @@ fn what_has_no_end_is_not_read_for_ever() {
 /// A verdict needs two solutions with significant digits: if the cells are too coarse for one, the comparison is inconclusive.
 #[test]
 #[ignore = "slow: fine meshes"]
-fn verify_can_say_that_it_cannot_tell() {
+fn verify_can_be_inconclusive() {
     let bench = Bench::new();
     bench.write("case.toml", include_str!("coarse_mesh.toml"));
     let outcome = bench.run(&["verify", "case.toml"]);
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
-    let told = &outcome.stdout;
-    assert!(told.contains("IT CANNOT BE TOLD"), "{told}");
+    let message = &outcome.stdout;
+    assert!(message.contains("INCONCLUSIVE"), "{message}");
     assert!(
-        told.contains("no digit is significant: the error estimates allow"),
-        "{told}"
+        message.contains("no digit is significant: the error estimates allow"),
+        "{message}"
     );
-    assert!(!told.contains("DISAGREE"), "{told}");
+    assert!(!message.contains("DISAGREE"), "{message}");
     let outcome = bench.run(&["verify", "case.toml", "--json"]);
     let answer: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
     assert_eq!(answer["agree"], false);
@@ -416,9 +416,9 @@ fn results_are_replaced_whole_or_not_at_all() {
     ] {
         let outcome = save(command, more);
         assert_eq!(outcome.status, Some(2), "{command}: {}", outcome.stderr);
-        let told = "the folder results is not empty: choose another, or --overwrite";
+        let message = "the folder results is not empty: choose another, or --overwrite";
         assert!(
-            outcome.stderr.contains(told),
+            outcome.stderr.contains(message),
             "{command}: {}",
             outcome.stderr
         );
@@ -572,18 +572,18 @@ fn help_has_an_example_for_every_command() {
 
 #[test]
 #[cfg(feature = "explore")]
-fn the_explorer_says_what_keeps_it_from_starting() {
+fn the_explorer_reports_why_it_cannot_start() {
     let bench = Bench::new();
     let busy = std::net::TcpListener::bind(("127.0.0.1", 0)).unwrap();
     let port = busy.local_addr().unwrap().port().to_string();
     let outcome = bench.run(&["explore", "--no-browser", "--port", &port]);
     assert_eq!(outcome.status, Some(2));
-    let told = outcome.stderr;
+    let message = outcome.stderr;
     assert!(
-        told.starts_with(&format!("error: port {port} is in use: port ")),
-        "{told}"
+        message.starts_with(&format!("error: port {port} is in use: port ")),
+        "{message}"
     );
-    assert!(told.contains(" is free, give --port "), "{told}");
+    assert!(message.contains(" is free, give --port "), "{message}");
     let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.raduis=1m"]);
     assert_eq!(outcome.status, Some(2));
     assert!(
@@ -630,9 +630,9 @@ fn the_explorer_says_what_keeps_it_from_starting() {
     );
 }
 
-/// A substrate a thousand times softer than the lens: the columns are 4 % too soft, and strained beyond the range of their modulus.
+/// A substrate a thousand times softer than the lens: the columns are 4 % too soft, and their strain exceeds the range of linear elasticity.
 #[test]
-fn strained_models_fail_where_that_is_asked_for() {
+fn exceeded_limits_fail_on_request() {
     let bench = Bench::new();
     let case = intermediate();
     let soft = ["--set", "substrate.young_modulus=2kPa", "--quiet"];
@@ -643,11 +643,15 @@ fn strained_models_fail_where_that_is_asked_for() {
         .stdout
         .lines()
         .find(|l| l.starts_with("limits of the model"));
-    assert!(line.unwrap().ends_with("strained:"), "{}", lenient.stdout);
+    assert!(line.unwrap().ends_with("exceeded:"), "{}", lenient.stdout);
     assert!(lenient.stdout.contains("error of the columns"));
     let strict = ask(&["--strict"]);
     assert_eq!(strict.status, Some(1));
-    assert!(strict.stderr.contains("error: the model is strained: "));
+    assert!(
+        strict
+            .stderr
+            .contains("error: outside the limits of the model: ")
+    );
     assert!(
         strict
             .stderr
@@ -719,15 +723,18 @@ fn keys_without_effect_are_named() {
         let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
         (outcome.stderr, json)
     };
-    let (told, json) = ask(&set);
-    assert!(told.starts_with(&format!("warning: {warning}")), "{told}");
+    let (message, json) = ask(&set);
+    assert!(
+        message.starts_with(&format!("warning: {warning}")),
+        "{message}"
+    );
     let listed = json["case_warnings"][0].as_str().unwrap();
     assert!(listed.starts_with(warning), "{listed}");
-    let (told, quiet) = ask(&[&set[..], &["--quiet"]].concat());
-    assert_eq!(told, "");
+    let (message, quiet) = ask(&[&set[..], &["--quiet"]].concat());
+    assert_eq!(message, "");
     assert_eq!(quiet["case_warnings"], json["case_warnings"]);
-    let (told, without) = ask(&[]);
-    assert!(told.is_empty() && without["case_warnings"].is_null());
+    let (message, without) = ask(&[]);
+    assert!(message.is_empty() && without["case_warnings"].is_null());
     assert_eq!(without["force_N"], json["force_N"]);
 }
 
@@ -750,10 +757,10 @@ fn deprecated_names_of_keys_are_accepted() {
         let json: serde_json::Value = serde_json::from_str(&outcome.stdout).unwrap();
         (outcome.stderr, json["force_N"].clone())
     };
-    let (told, force) = ask("height_spread");
+    let (message, force) = ask("height_spread");
     let warning =
         "warning: pattern.height_spread is deprecated: use pattern.height_standard_deviation\n";
-    assert_eq!(told, warning);
+    assert_eq!(message, warning);
     assert_eq!(ask("height_standard_deviation"), (String::new(), force));
 }
 

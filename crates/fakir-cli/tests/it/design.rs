@@ -5,7 +5,7 @@ use crate::common::{Bench, example};
 /// Designs each free quantity for the force of a case, then computes the force of the case that was
 /// saved.
 #[test]
-fn what_is_designed_has_the_wanted_force() {
+fn designs_have_the_target_force() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let held = ["--set", "pattern.pitch=30um"];
@@ -31,7 +31,7 @@ fn what_is_designed_has_the_wanted_force() {
 
 /// A tolerance of 3 % on a height of 2.2 um is 0.066 um; the seed and the number of samples are those given in the help.
 #[test]
-fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
+fn tolerances_in_per_cent_and_default_samples() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let drawn = |tolerance: &str, more: &[&str]| {
@@ -47,9 +47,9 @@ fn tolerances_in_per_cent_and_what_is_drawn_unless_asked() {
     assert_eq!(relative, absolute);
     let help = bench.result(&["design", "--help"]);
     let all = drawn("pattern.pillar.height=3%", &[]);
-    let told = format!("; {} if there are any", all["samples"]);
+    let message = format!("; {} if there are any", all["samples"]);
     let help: Vec<_> = help.split_whitespace().collect();
-    assert!(help.join(" ").contains(&told), "{told}");
+    assert!(help.join(" ").contains(&message), "{message}");
 }
 
 /// A key may be given without its tables if its last name is unique.
@@ -61,7 +61,7 @@ fn last_names_are_enough_where_one_key_has_them() {
         free_key("surface_fraction"),
         free_key("pattern.surface_fraction")
     );
-    assert!(free_key("young_modulus").is_err_and(|told| told.contains("lens.young_modulus")));
+    assert!(free_key("young_modulus").is_err_and(|message| message.contains("lens.young_modulus")));
     assert_eq!(Parameter::named("pitch"), Parameter::named("pattern.pitch"));
     assert!(Parameter::named("pitch").is_some() && Parameter::named("young_modulus").is_none());
     let bench = Bench::new();
@@ -127,7 +127,7 @@ fn heights_are_found_under_a_lens_without_a_radius() {
 
 /// Designs a pitch for a floor share, then presses the saved case.
 #[test]
-fn what_is_designed_has_the_wanted_floor_share() {
+fn designs_have_the_target_floor_share() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let question = [
@@ -166,7 +166,7 @@ fn what_is_designed_has_the_wanted_floor_share() {
 
 /// Designs a pitch for a pull-off force, then computes the cycle of the saved case.
 #[test]
-fn what_is_designed_has_the_wanted_pull_off_force() {
+fn designs_have_the_target_pull_off_force() {
     let bench = Bench::new();
     let case = example("adhesive.toml");
     let question = ["design", &case, "--free", "pitch", "--pull-off", "40uN"];
@@ -209,7 +209,7 @@ fn what_makes_no_sense_is_status_2() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let share = ["design", &case, "--free", "pitch"];
-    for (arguments, told) in [
+    for (arguments, message) in [
         (&["design", &case][..], "nothing to do"),
         (&["design", &case, "--free", "pitch"], "required"),
         (&["design", &case, "--critical-force", "1mN"], "required"),
@@ -310,7 +310,7 @@ fn what_makes_no_sense_is_status_2() {
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?}");
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }
 

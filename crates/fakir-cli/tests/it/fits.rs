@@ -79,8 +79,8 @@ fn skipped_rows_are_stated() {
     arguments.extend(["--cycle", "2"]);
     let outcome = bench.run(&arguments);
     assert_eq!(outcome.status, Some(2));
-    let told = "data.csv: there is no cycle 2: the data have 1, numbered from 1";
-    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    let message = "data.csv: there is no cycle 2: the data have 1, numbered from 1";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
 }
 
 #[test]
@@ -144,8 +144,8 @@ fn limits_of_the_model_are_those_of_press() {
     let expected = pressed("6um");
     let limits = |value: &Value| -> Vec<(String, bool)> {
         let limits = value["limits"].as_array().unwrap().iter();
-        let told = |limit: &Value| (limit["name"].to_string(), limit["strained"] == true);
-        limits.map(told).collect()
+        let verdict = |limit: &Value| (limit["name"].to_string(), limit["strained"] == true);
+        limits.map(verdict).collect()
     };
     assert_eq!(limits(&result), limits(&expected));
     let strained = limits(&result).into_iter().any(|(_, strained)| strained);
@@ -153,16 +153,18 @@ fn limits_of_the_model_are_those_of_press() {
     let outcome = bench.run(&[&fit[..], &["--strict"]].concat());
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
     assert!(
-        outcome.stderr.starts_with("error: the model is strained: "),
+        outcome
+            .stderr
+            .starts_with("error: outside the limits of the model: "),
         "{}",
         outcome.stderr
     );
-    assert!(outcome.stdout.contains("strained:"), "{}", outcome.stdout);
+    assert!(outcome.stdout.contains("exceeded:"), "{}", outcome.stdout);
 }
 
 /// The example without the machine compliance.
 #[test]
-fn a_fit_that_does_not_describe_the_data_is_told_with_quiet_too() {
+fn a_fit_that_does_not_describe_the_data_is_reported_with_quiet_too() {
     let bench = Bench::new();
     let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
     let mut quiet = arguments(&data, &case);
@@ -280,7 +282,7 @@ fn a_machine_that_is_left_out_of_the_example_is_named() {
     assert!(
         outcome
             .stderr
-            .contains("it would take machine_compliance (p = "),
+            .contains("most likely wrong: machine_compliance (p = "),
         "{}",
         outcome.stderr
     );

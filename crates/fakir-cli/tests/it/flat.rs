@@ -14,8 +14,8 @@ fn fakir(arguments: &[&str]) -> Output {
 
 fn json(arguments: &[&str]) -> Value {
     let output = fakir(&[arguments, &["--json"]].concat());
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{told}");
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{message}");
     serde_json::from_slice(&output.stdout).expect("one JSON object")
 }
 
@@ -82,7 +82,7 @@ fn files_of_a_contact_a_loading_and_a_cycle() {
 fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
     for (arguments, why) in [
         (&["transition", CASE][..], "no floor between pillars"),
-        (&["approach", CASE], "the end of the loading is not known"),
+        (&["approach", CASE], "the loading has no end"),
         (&["cycle", CASE], "give --to or --to-force"),
         (
             &["press", CASE, "--force", "1mN", "--gradient"],
@@ -100,12 +100,12 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         ),
     ] {
         let output = fakir(arguments);
-        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(
-            !output.status.success() && told.contains(why),
-            "{arguments:?}: {told}"
+            !output.status.success() && message.contains(why),
+            "{arguments:?}: {message}"
         );
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     }
 }
 

@@ -142,7 +142,7 @@ fn the_scatter_by_errors_of_heights() {
     let more = ["--height-error", "20nm", "--output", "found"];
     let answer = bench.json(&[&DESIGN[..], &more].concat());
     let row = &answer["design"]["curve"][2];
-    let told = row["scatter"].as_f64().unwrap_or(0.0);
+    let scatter = row["scatter"].as_f64().unwrap_or(0.0);
     let wanted = row["wanted_area_m2"].as_f64().unwrap_or(0.0);
     let force = format!("{:e}", row["force_N"].as_f64().unwrap_or(0.0));
     let pillars = bench.read("found/pillars.csv");
@@ -169,8 +169,8 @@ fn the_scatter_by_errors_of_heights() {
         squares += (area.unwrap_or(0.0) / wanted - 1.0).powi(2);
     }
     assert!(
-        (squares.sqrt() / told - 1.0).abs() < 0.01,
-        "{told:e} {:e}",
+        (squares.sqrt() / scatter - 1.0).abs() < 0.01,
+        "{scatter:e} {:e}",
         squares.sqrt()
     );
     let text = bench.result(&[&DESIGN[..], &["--height-error", "20nm"]].concat());
@@ -192,7 +192,7 @@ fn what_no_heights_have_is_status_3_with_the_nearest() {
         outcome.stderr
     );
     assert!(
-        outcome.stderr.contains("where all bear the same"),
+        outcome.stderr.contains("if all carry the same"),
         "{}",
         outcome.stderr
     );
@@ -249,8 +249,8 @@ fn a_stated_error_above_a_half_is_no_answer() {
     );
     let outcome = bench.run(&[&DESIGN[..], &set[..]].concat());
     assert_eq!(outcome.status, Some(1), "{}", outcome.stdout);
-    let told = "warning: contact at an indentation of 3 um: the contact area is not resolved";
-    assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    let message = "warning: contact at an indentation of 3 um: the contact area is not resolved";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
 }
 
 #[test]
@@ -261,10 +261,10 @@ fn what_makes_no_sense_is_status_2() {
     bench.write("word.csv", "force_mN,area_um2\n30,wide\n");
     let design = ["design", "case.toml"];
     let set = ["--set", "pattern.pillar.height=10um"];
-    for (arguments, told) in [
+    for (arguments, message) in [
         (
             &["--free", "heights", "--target", "falls.csv"][..],
-            "falls.csv:3: the wanted area does not rise",
+            "falls.csv:3: the target area does not increase",
         ),
         (
             &["--free", "heights", "--target", "word.csv"],
@@ -277,7 +277,7 @@ fn what_makes_no_sense_is_status_2() {
         (&["--free", "heights"], "required"),
         (
             &["--free", "heights", "--critical-force", "1mN"],
-            "--free heights goes with --target",
+            "--free heights requires --target",
         ),
         (
             &["--free", "pitch", "--target", "curve.csv"],
@@ -322,7 +322,7 @@ fn what_makes_no_sense_is_status_2() {
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" ");
-        assert!(flowing.contains(told), "{}", outcome.stderr);
+        assert!(flowing.contains(message), "{}", outcome.stderr);
     }
 }
 
@@ -389,7 +389,7 @@ fn a_lens_on_a_rounded_top() {
 }
 
 #[test]
-fn the_floor_and_wide_contacts_are_said() {
+fn the_floor_and_wide_contacts_are_reported() {
     let bench = bench();
     let press = [
         "press",
@@ -416,7 +416,7 @@ fn the_floor_and_wide_contacts_are_said() {
     assert!(
         outcome
             .stdout
-            .contains("what the floor bears if it is reached"),
+            .contains("the load of the floor if it is reached"),
         "{}",
         outcome.stdout
     );
@@ -428,12 +428,12 @@ fn the_floor_and_wide_contacts_are_said() {
 fn a_loading_of_rounded_tops() {
     let bench = bench();
     let approach = ["approach", "case.toml", "--set", "pattern.columns=1"];
-    let endless = bench.run(&approach);
-    assert_eq!(endless.status, Some(2), "{}", endless.stderr);
+    let without_end = bench.run(&approach);
+    assert_eq!(without_end.status, Some(2), "{}", without_end.stderr);
     assert!(
-        endless.stderr.contains("give the last indentation"),
+        without_end.stderr.contains("give the last indentation"),
         "{}",
-        endless.stderr
+        without_end.stderr
     );
     let to = ["--step", "1um", "--to", "3um"];
     let loading = bench.json(&[&approach[..], &to].concat());
@@ -520,7 +520,7 @@ fn every_other_command_refuses_rounded_tops() {
     }
     let sweep = bench.run(&["sweep", "study.toml"]);
     assert_ne!(sweep.status, Some(0), "{} {}", sweep.stdout, sweep.stderr);
-    for (option, told) in [
+    for (option, message) in [
         (
             &["--gradient"][..],
             "derivatives are supported only for flat pillar tops",
@@ -537,6 +537,6 @@ fn every_other_command_refuses_rounded_tops() {
         let press = ["press", "case.toml", "--force", "1mN"];
         let outcome = bench.run(&[&press[..], option].concat());
         assert_eq!(outcome.status, Some(2), "{option:?}");
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

@@ -3,7 +3,7 @@
 use crate::common::Bench;
 
 #[test]
-fn completions_know_commands_and_options() {
+fn completions_contain_commands_and_options() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let run = Bench::new()
             .command(&["completions", shell])

@@ -12,7 +12,7 @@ fn folder(name: &str) -> std::path::PathBuf {
 /// Every command that reads a case and does not support surfaces: exit status 2, the line of the file, the reason, and an alternative
 /// command.
 #[test]
-fn commands_without_an_answer_for_a_surface_say_what_to_use() {
+fn commands_that_do_not_support_a_surface_name_one_that_does() {
     let case = folder("square-pillars.toml");
     let case = case.to_str().expect("a path in UTF-8");
     let data = folder("fit/loading.csv");
@@ -50,17 +50,17 @@ fn commands_without_an_answer_for_a_surface_say_what_to_use() {
             .args(arguments)
             .output()
             .expect("the binary runs");
-        let told = String::from_utf8_lossy(&output.stderr);
+        let message = String::from_utf8_lossy(&output.stderr);
         // The report is broken into lines.
-        let told: Vec<&str> = told
+        let message: Vec<&str> = message
             .split_whitespace()
             .filter(|word| *word != "│")
             .collect();
-        let told = told.join(" ");
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        let message = message.join(" ");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(output.stdout.is_empty(), "{arguments:?}");
-        for wanted in ["square-pillars.toml:16", reason, instead] {
-            assert!(told.contains(wanted), "{arguments:?}: {told}");
+        for required in ["square-pillars.toml:16", reason, instead] {
+            assert!(message.contains(required), "{arguments:?}: {message}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Commands that cover all results of the program, and their recorded output: refactoring must not change it.
 //!
 //! Each file of `tests/recorded` contains one command, run in the folder of the repository, and its output: the exit status, the JSON
-//! result, and the saved tables if `OUT` in the command stands for a folder to save in. The test of a file has its name.
+//! result, and the saved tables if the command contains `OUT`, a folder to save in. The test of a file has its name.
 //!
 //! `FAKIR_RECORD=1` records again: files whose output changed by more than [`RULES`] permit are rewritten, others are left untouched. A new
 //! command is a file with `{"command": "…"}` and a name in the list below; this records its output.
@@ -24,7 +24,7 @@ const LARGEST_TOLERANCE: f64 = 1e-2;
 /// Relative tolerance of [`Rule::Rough`].
 const ROUGH_TOLERANCE: f64 = 1e-2;
 
-/// How a part of a result is compared.
+/// Rule for the comparison of a part of a result.
 ///
 /// Without a rule, numbers are compared with [`TOLERANCE`], relative to the largest number of their array, or otherwise to the recorded
 /// number. Integers (counts) and words must be equal.
@@ -274,7 +274,7 @@ impl Comparison {
                     let path = path_of(path, Some(name), part);
                     match now.get(name) {
                         Some(now) => self.values(&path, &around, part, now),
-                        None => self.differences.push(format!("{path} is gone")),
+                        None => self.differences.push(format!("{path} is missing")),
                     }
                 }
                 let mut new = now.keys().filter(|name| !members.contains_key(*name));

@@ -114,7 +114,7 @@ fn force_and_indentation_are_two_ways_to_the_same_contact() {
 
 /// Past the transition the floor carries part of the load, which a contact without floor does not have.
 #[test]
-fn past_the_transition_the_floor_bears_its_part() {
+fn past_the_transition_the_floor_carries_load() {
     let bench = Bench::new();
     let press = |more: &[&str]| {
         let case = intermediate();
@@ -152,7 +152,7 @@ fn past_the_transition_the_floor_bears_its_part() {
 
 /// Loading through the transition: rows before it, the critical state, and rows with the floor, up to an indentation or a force.
 #[test]
-fn a_loading_goes_on_through_the_transition() {
+fn a_loading_continues_through_the_transition() {
     let bench = Bench::new();
     let approach = |end: [&str; 2]| {
         let case = intermediate();
@@ -264,7 +264,7 @@ fn approach_ends_at_the_critical_state() {
 }
 
 #[test]
-fn theory_says_where_models_hold() {
+fn theory_prints_where_models_are_valid() {
     let bench = Bench::new();
     let theory = |setting| {
         let case = example("paper-intermediate.toml");
@@ -294,7 +294,7 @@ fn theory_says_where_models_hold() {
 }
 
 #[test]
-fn theory_knows_the_coefficients_and_the_small_contact() {
+fn theory_has_the_coefficients_and_the_small_contact() {
     let arguments = ["--set", "pattern.surface_fraction=0.001"];
     let result = Bench::new().json(&[&["theory", &intermediate()], &arguments[..]].concat());
     let coefficients = result["coefficients"].as_array().unwrap();
@@ -414,7 +414,7 @@ fn one_pillar_in_the_table() {
 }
 
 #[test]
-fn output_holds_the_result_and_the_case() {
+fn output_contains_the_result_and_the_case() {
     let bench = Bench::new();
     let arguments = [
         "--set",
@@ -557,7 +557,9 @@ fn what_to_cite_follows_from_the_method() {
     assert!(of_study.contains(&"Sneddon1966".to_owned()), "{of_study:?}");
 
     let text = bench.result(&["cite", "results"]);
-    assert!(text.starts_with("To cite for contact under a force of 1 uN, Love elements, 16 cells"));
+    assert!(
+        text.starts_with("To cite for contact under a force of 1 uN, boundary elements, 16 cells")
+    );
     assert!(
         text.lines().all(|line| line.chars().count() <= 100),
         "{text}"
@@ -649,16 +651,16 @@ fn keys_of_gradients_are_the_contract() {
 }
 
 #[test]
-fn gradients_that_are_not_known_are_refused() {
+fn unavailable_gradients_are_refused() {
     let bench = Bench::new();
     let case = intermediate();
-    for (arguments, told) in [
+    for (arguments, message) in [
         (&["--set", "method.name=punch"][..], "spectral"),
         (&["--set", "adhesion.work=50mJ/m2"], "adhesion"),
     ] {
         let arguments = [&["transition", &case, "--gradient"], arguments].concat();
         let outcome = bench.run(&arguments);
         assert_ne!(outcome.status, Some(0));
-        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
 }

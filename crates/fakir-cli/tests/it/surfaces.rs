@@ -36,7 +36,7 @@ fn number(value: &Value, path: &str) -> f64 {
 }
 
 #[test]
-fn the_floor_bears_load_past_the_transition_only() {
+fn the_floor_carries_load_past_the_transition_only() {
     let case = example("square-pillars.toml");
     let critical = json(&fakir("transition", &case, &["--json"]));
     assert_eq!(critical["regime"], "top_first");
@@ -66,13 +66,13 @@ fn tables_name_the_surface_and_its_shares() {
     let case = example("square-pillars.toml");
     let output = fakir("press", &case, &["--indentation", "1um"]);
     let shown = text(&output.stdout);
-    for wanted in [
+    for required in [
         "square pillars on a square lattice",
         "force on the tops",
         "contact area on the floor",
         "converged",
     ] {
-        assert!(shown.contains(wanted), "{shown}");
+        assert!(shown.contains(required), "{shown}");
     }
     let shown = text(&fakir("transition", &case, &[]).stdout);
     assert!(shown.starts_with("Critical state: the lens rests on the tops"));
@@ -91,8 +91,11 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
     let force = number(&json(&enough), "/force_N");
     for width in ["20um", "80um"] {
         let narrow = on("press", width, &["--json", "--indentation", "2um"]);
-        let told = text(&narrow.stderr);
-        assert!(told.contains("solved with surface.grid.width = "), "{told}");
+        let message = text(&narrow.stderr);
+        assert!(
+            message.contains("solved with surface.grid.width = "),
+            "{message}"
+        );
         let narrow = json(&narrow);
         // On another grid the cells are shifted slightly.
         let error = number(&narrow, "/relative_error_estimate/force");
@@ -117,9 +120,12 @@ fn narrow_grids_grow_and_narrow_maps_are_refused() {
     std::fs::write(&path, format!("{lens}{surface}\n")).expect("a case for the test");
     let refused = fakir("press", &path, &["--indentation", "2um"]);
     assert_eq!(refused.status.code(), Some(3), "{}", text(&refused.stdout));
-    let told = text(&refused.stderr);
-    assert!(told.contains("ends within reach of the lens"), "{told}");
-    assert!(told.contains("are sufficient"), "{told}");
+    let message = text(&refused.stderr);
+    assert!(
+        message.contains("ends within reach of the lens"),
+        "{message}"
+    );
+    assert!(message.contains("are sufficient"), "{message}");
 }
 
 #[test]
@@ -139,7 +145,7 @@ fn saved_fields_are_a_case_again() {
         .map(|entry| text(entry.expect("a file").file_name().as_encoded_bytes()))
         .collect();
     files.sort();
-    let wanted = [
+    let required = [
         "case.toml",
         "fields.nc",
         "fields.vti",
@@ -155,7 +161,7 @@ fn saved_fields_are_a_case_again() {
         "provenance.json",
         "summary.json",
     ];
-    assert_eq!(files, wanted);
+    assert_eq!(files, required);
     // The solved case gives the same contact.
     let again = json(&fakir("press", &out.join("case.toml"), &load));
     assert_eq!(first["force_N"], again["force_N"]);
@@ -196,14 +202,14 @@ fn plates_have_no_lens_axis() {
         "surface.grid.width=40um",
         "--quiet",
     ];
-    let said = |command: &str, more: &[&str]| {
+    let json_of = |command: &str, more: &[&str]| {
         let outcome = fakir(command, &case, &[&settings[..], more].concat());
         assert!(outcome.status.success());
         String::from_utf8(outcome.stdout).unwrap()
     };
     let folder = bench.path().join("plate");
-    let critical = said("transition", &["--output", folder.to_str().unwrap()]);
-    let loading = said("approach", &["--step", "0.2um"]);
+    let critical = json_of("transition", &["--output", folder.to_str().unwrap()]);
+    let loading = json_of("approach", &["--step", "0.2um"]);
     assert!(critical.contains("floor contact, x"), "{critical}");
     assert!(!loading.contains("contact radius"), "{loading}");
     for file in std::fs::read_dir(&folder).unwrap() {
@@ -256,9 +262,9 @@ fn a_surface_is_loaded_step_by_step() {
     for (index, state) in states.iter().enumerate() {
         assert_eq!(state["beyond_transition"], index > place);
         assert_eq!(number(state, "/floor_force_N") > 0.0, index > place);
-        let bears = number(state, "/tops_force_N") + number(state, "/floor_force_N");
+        let carried = number(state, "/tops_force_N") + number(state, "/floor_force_N");
         let force = number(state, "/force_N");
-        assert!((bears - force).abs() <= 1e-12 * force);
+        assert!((carried - force).abs() <= 1e-12 * force);
     }
     let load = ["--json", "--indentation", "1um"];
     let pressed = json(&fakir("press", &case, &load));
@@ -331,7 +337,7 @@ fn limits_of_the_model_are_in_results_of_surfaces() {
 
 /// A height map without a floor has no critical state: a loading on it needs a prescribed end.
 #[test]
-fn a_loading_without_a_floor_ends_where_it_is_told_to() {
+fn a_loading_without_a_floor_ends_at_the_given_load() {
     let folder = tempfile::TempDir::new().expect("a folder for the test");
     let rows = vec![["0"; 48].join(" "); 48].join("\n");
     std::fs::write(folder.path().join("flat.txt"), rows).expect("a map for the test");
@@ -414,7 +420,7 @@ fn pillars_are_verified_on_two_meshes() {
     assert_eq!(refused.status.code(), Some(2));
     let explained = text(&refused.stderr);
     assert!(
-        explained.contains("they stand elsewhere on a second mesh"),
+        explained.contains("their positions differ on a second mesh"),
         "{explained}"
     );
     let shown = text(&fakir("verify", &case, &["--indentation", "0.6um"]).stdout);
@@ -455,10 +461,10 @@ fn a_study_of_surfaces_is_swept() {
         text(&output.stdout)
     };
     let out = out.to_str().expect("a path in Unicode");
-    let told = sweep(&["--output", out]);
+    let message = sweep(&["--output", out]);
     assert!(
-        told.starts_with("18 cases: contacts under a load"),
-        "{told}"
+        message.starts_with("18 cases: contacts under a load"),
+        "{message}"
     );
     let table = std::fs::read_to_string(Path::new(out).join("table.csv")).expect("a table");
     assert_eq!(table, sweep(&["--threads", "1"]));
@@ -503,7 +509,7 @@ fn a_study_of_surfaces_is_swept() {
         .arg(example("study-square-pillars.toml"))
         .output();
     let cited = text(&cited.expect("the binary runs").stdout);
-    assert!(cited.contains("Love elements on surfaces"), "{cited}");
+    assert!(cited.contains("boundary elements on surfaces"), "{cited}");
 }
 
 /// An axis that creates an invalid surface is reported with its line, and nothing is computed.
@@ -522,11 +528,11 @@ fn a_study_points_at_the_axis_that_is_wrong() {
         .arg(&study)
         .output()
         .expect("the binary runs");
-    let told = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{told}");
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(output.stdout.is_empty());
     for words in ["study.toml:4:", "neighbouring pillars overlap", "in case 1"] {
-        assert!(told.contains(words), "{told}");
+        assert!(message.contains(words), "{message}");
     }
 }
 
@@ -577,12 +583,12 @@ fn adhesion_is_refused() {
     ] {
         let key = "adhesion.work=1J/m2";
         let output = fakir(command, &case, &[arguments, &["--set", key]].concat());
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{command} {key}: {told}");
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{command} {key}: {message}");
         assert!(output.stdout.is_empty());
         assert!(
-            told.contains("adhesion") && told.contains("leave"),
-            "{told}"
+            message.contains("adhesion") && message.contains("leave"),
+            "{message}"
         );
     }
 }
@@ -611,13 +617,16 @@ fn a_stated_error_above_a_half_is_no_answer() {
         &output,
     ];
     let pressed = fakir("press", &case, &[&UNRESOLVED[..], &load].concat());
-    let told = text(&pressed.stderr);
-    assert_eq!(pressed.status.code(), Some(1), "{told}");
+    let message = text(&pressed.stderr);
+    assert_eq!(pressed.status.code(), Some(1), "{message}");
     assert!(
-        told.contains("warning: the force is not resolved"),
-        "{told}"
+        message.contains("warning: the force is not resolved"),
+        "{message}"
     );
-    assert!(told.contains("exceeds 0.5; use smaller cells"), "{told}");
+    assert!(
+        message.contains("exceeds 0.5; use smaller cells"),
+        "{message}"
+    );
     let result: Value = serde_json::from_slice(&pressed.stdout).unwrap();
     assert!(number(&result, "/relative_error_estimate/force") > 0.5);
     assert_eq!(
@@ -630,10 +639,10 @@ fn a_stated_error_above_a_half_is_no_answer() {
     let path = ["--step", "30nm", "--to", "60nm", "--json"];
     let loading = fakir("approach", &case, &[&UNRESOLVED[..], &path].concat());
     assert_eq!(loading.status.code(), Some(1));
-    let told = text(&loading.stderr);
+    let message = text(&loading.stderr);
     assert!(
-        told.contains("at an indentation of 60.0000 nm: the force is not"),
-        "{told}"
+        message.contains("at an indentation of 60.0000 nm: the force is not"),
+        "{message}"
     );
     let result: Value = serde_json::from_slice(&loading.stdout).unwrap();
     let answers = |row: usize| result["states"][row]["converged"].clone();

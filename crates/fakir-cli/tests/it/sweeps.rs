@@ -428,7 +428,7 @@ fn an_interrupt_keeps_the_journal() {
     let done = journal_lines(&bench, "results") - 1;
     assert_eq!(
         outcome.stderr,
-        format!("interrupted after {done} of 120 cases: --resume goes on\n")
+        format!("interrupted after {done} of 120 cases: --resume continues\n")
     );
     assert_eq!(bench.files("results"), ["journal.jsonl", "study.toml"]);
 }
@@ -487,10 +487,10 @@ surface_fraction = [0.01]
     let indentation = place("critical_indentation_m");
     let rows: Vec<_> = rows.collect();
     assert_eq!(rows.len(), 4);
-    let of = |wanted: f64, word: &str| -> f64 {
+    let of = |required: f64, word: &str| -> f64 {
         let found = rows.iter().find(|row| {
             let own: f64 = row[thickness].parse().unwrap();
-            (own / wanted - 1.0).abs() < 1e-9 && row[base] == word
+            (own / required - 1.0).abs() < 1e-9 && row[base] == word
         });
         found.unwrap()[indentation].parse().unwrap()
     };

@@ -9,7 +9,7 @@ use std::io::{Read, Write};
 use std::time::{Duration, Instant};
 
 /// The case of `fakir init` at another surface fraction, with a work of adhesion.
-fn sticky(surface_fraction: f64, work: &str) -> Value {
+fn adhesive(surface_fraction: f64, work: &str) -> Value {
     let mut values = case(surface_fraction);
     values["adhesion.work"] = json!(work);
     values
@@ -28,8 +28,8 @@ fn cycle(surface_fraction: f64, work: &str) -> Cycle {
 
 fn stations(answer: &Answer) -> Vec<Value> {
     let lines = answer.lines();
-    let told = lines.iter().filter_map(|line| line.get("station"));
-    told.cloned().collect()
+    let sent = lines.iter().filter_map(|line| line.get("station"));
+    sent.cloned().collect()
 }
 
 fn load(station: &Value) -> f64 {
@@ -42,7 +42,7 @@ fn the_cycle_is_that_of_the_library() {
     let server = Running::start();
     let answer = server.ask(
         "/api/cycle",
-        &question(server.next(), &sticky(0.02, "5 mJ/m2")),
+        &question(server.next(), &adhesive(0.02, "5 mJ/m2")),
     );
     assert_eq!(answer.status, 200, "{}", answer.body);
     let shown = answer.line("cycle");
@@ -63,14 +63,14 @@ fn the_cycle_is_that_of_the_library() {
     assert!(command.contains("fakir cycle case.toml"));
     assert!(answer.line("transition").as_array().unwrap().len() > 100);
 
-    let told = stations(&answer);
-    assert_eq!(shown["states"], json!(told.len()));
-    assert!(told.len() > 80, "{}", told.len());
+    let sent = stations(&answer);
+    assert_eq!(shown["states"], json!(sent.len()));
+    assert!(sent.len() > 80, "{}", sent.len());
     // The first is the critical state, which is displayed unless another load is requested.
-    assert_eq!(load(&told[0]).to_bits(), 1f64.to_bits());
-    assert_eq!(told[0]["floor_contacts_m"].as_array().unwrap().len(), 6);
+    assert_eq!(load(&sent[0]).to_bits(), 1f64.to_bits());
+    assert_eq!(sent[0]["floor_contacts_m"].as_array().unwrap().len(), 6);
     let (mut pulls, mut parts, mut at_pull_off) = (0, 0, 0);
-    for station in &told {
+    for station in &sent {
         let place = station["place"].as_u64().unwrap() as usize;
         let expected_station = &expected.stations[place];
         let forces: Vec<f64> = serde_json::from_value(station["pillar_forces_N"].clone()).unwrap();
@@ -100,10 +100,10 @@ fn the_cycle_is_that_of_the_library() {
     }
     assert!(pulls > 0 && parts > 0);
     assert_eq!(at_pull_off, 1);
-    let ends = |f: fn(f64, f64) -> f64| told.iter().map(load).reduce(f).unwrap();
+    let ends = |f: fn(f64, f64) -> f64| sent.iter().map(load).reduce(f).unwrap();
     assert!(ends(f64::min).abs() < f64::EPSILON);
     assert!((ends(f64::max) - 2.0).abs() < f64::EPSILON);
-    let last = told
+    let last = sent
         .iter()
         .max_by(|a, b| load(a).total_cmp(&load(b)))
         .unwrap();
@@ -111,15 +111,15 @@ fn the_cycle_is_that_of_the_library() {
 }
 
 #[test]
-fn the_state_asked_for_comes_first() {
+fn the_requested_state_is_sent_first() {
     let server = Running::start();
-    let mut asked = question(server.next(), &sticky(0.01, "50 mJ/m2"));
+    let mut asked = question(server.next(), &adhesive(0.01, "50 mJ/m2"));
     asked["load"] = json!({ "fraction": 2.0 });
-    let told = stations(&server.ask("/api/cycle", &asked));
-    assert!((load(&told[0]) - 2.0).abs() < f64::EPSILON);
+    let sent = stations(&server.ask("/api/cycle", &asked));
+    assert!((load(&sent[0]) - 2.0).abs() < f64::EPSILON);
     let away = |station: &Value| (load(station) - 2.0).abs();
     assert!(
-        told.windows(2)
+        sent.windows(2)
             .all(|pair| away(&pair[0]) <= away(&pair[1]) + 1e-12)
     );
 }
@@ -128,7 +128,7 @@ fn the_state_asked_for_comes_first() {
 #[test]
 fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
     let server = Running::start();
-    let mut flat = sticky(0.0004, "50 mJ/m2");
+    let mut flat = adhesive(0.0004, "50 mJ/m2");
     // Half-way between pillars so far apart that the floor is nearer.
     flat["pattern.offset"] = json!(0.5);
     flat["pattern.pillar.height"] = json!("0.1 um");
@@ -146,43 +146,43 @@ fn a_lens_that_meets_the_floor_first_has_nothing_to_pull() {
 fn works_that_cannot_be_are_refused_at_their_key() {
     let server = Running::start();
     let refused = |path: &str, changes: &[(&str, Value)]| {
-        let mut values = sticky(0.01, "50 mJ/m2");
+        let mut values = adhesive(0.01, "50 mJ/m2");
         for (key, value) in changes {
             values[*key] = value.clone();
         }
         let answer = server.ask(path, &question(server.next(), &values));
-        let told: Value = serde_json::from_str(&answer.body).unwrap();
-        assert_eq!(answer.status, 422, "{told}");
-        told
+        let message: Value = serde_json::from_str(&answer.body).unwrap();
+        assert_eq!(answer.status, 422, "{message}");
+        message
     };
-    let told = refused("/api/cycle", &[("adhesion.work", json!("-1 mJ/m2"))]);
-    assert_eq!(told["key"], "adhesion.work");
+    let message = refused("/api/cycle", &[("adhesion.work", json!("-1 mJ/m2"))]);
+    assert_eq!(message["key"], "adhesion.work");
     assert!(
-        told["message"]
+        message["message"]
             .as_str()
             .unwrap()
             .contains("cannot be -1 mJ/m2"),
-        "{told}"
+        "{message}"
     );
-    let told = refused(
+    let message = refused(
         "/api/cycle",
         &[("adhesion.work_receding", json!("10 mJ/m2"))],
     );
-    assert_eq!(told["key"], "adhesion.work_receding");
+    assert_eq!(message["key"], "adhesion.work_receding");
     assert!(
-        told["accepted"]
+        message["accepted"]
             .as_str()
             .unwrap()
             .contains("breaking contact takes at least the energy gained"),
-        "{told}"
+        "{message}"
     );
-    let told = refused("/api/cycle", &[("method.name", json!("punch"))]);
+    let message = refused("/api/cycle", &[("method.name", json!("punch"))]);
     assert!(
-        told["message"]
+        message["message"]
             .as_str()
             .unwrap()
             .contains("the method \"punch\": only the spectral method supports adhesion"),
-        "{told}"
+        "{message}"
     );
     let mut none = question(server.next(), &case(0.01));
     none["load"] = json!({ "fraction": 1.0 });
@@ -200,7 +200,7 @@ fn no_work_is_no_adhesion() {
         state["summary"]["wall_time_s"] = Value::Null;
         (state, answer.line("section"))
     };
-    assert_eq!(state(&sticky(0.01, "0 J/m2")), state(&case(0.01)));
+    assert_eq!(state(&adhesive(0.01, "0 J/m2")), state(&case(0.01)));
 }
 
 #[test]
@@ -212,7 +212,7 @@ fn files_of_a_cycle_are_those_of_the_command_line() {
         asked["load"] = json!({ "fraction": load });
         server.ask("/api/export", &asked)
     };
-    let values = sticky(0.01, "50 mJ/m2");
+    let values = adhesive(0.01, "50 mJ/m2");
     let toml = file(&values, "case.toml", 1.0).body;
     let read = CaseFile::parse("case.toml", &toml).unwrap().case().unwrap();
     assert!((read.system.adhesion().work / 50e-3 - 1.0).abs() < 1e-15);
@@ -245,7 +245,7 @@ fn a_newer_cycle_calls_off_the_one_before() {
     let server = Running::start();
     let start = Instant::now();
     // Some thousands of pillars, which takes minutes.
-    let body = question(1, &sticky(0.25, "1 mJ/m2")).to_string();
+    let body = question(1, &adhesive(0.25, "1 mJ/m2")).to_string();
     let headers = [
         ("content-type", "application/json"),
         ("x-fakir-token", server.token.as_str()),
@@ -254,7 +254,7 @@ fn a_newer_cycle_calls_off_the_one_before() {
     let request = server.request("/api/cycle", &body, &headers);
     stream.write_all(request.as_bytes()).unwrap();
     std::thread::sleep(Duration::from_millis(200));
-    let newest = server.ask("/api/cycle", &question(2, &sticky(0.01, "50 mJ/m2")));
+    let newest = server.ask("/api/cycle", &question(2, &adhesive(0.01, "50 mJ/m2")));
     assert_eq!(newest.status, 200);
     assert!(!stations(&newest).is_empty());
     let mut answer = Vec::new();

@@ -159,18 +159,18 @@ fn answers_are_those_of_the_library() {
 #[test]
 fn values_that_are_no_numbers_are_refused_in_plain_words() {
     let server = Running::start();
-    let told = |value: Value| {
+    let contact = |value: Value| {
         let mut values = case(0.01);
         values["lens.radius"] = value;
         let answer = server.ask("/api/contact", &question(server.next(), &values));
         assert!((400..500).contains(&answer.status), "{}", answer.status);
         answer.body
     };
-    let infinite = told(json!("1e400 um"));
+    let infinite = contact(json!("1e400 um"));
     for words in ["\"key\":\"lens.radius\"", "greater than 0"] {
         assert!(infinite.contains(words), "{infinite}");
     }
-    let none = told(Value::Null);
+    let none = contact(Value::Null);
     assert!(
         none.contains("a finite number in SI units, or a text such as"),
         "{none}"
@@ -180,7 +180,7 @@ fn values_that_are_no_numbers_are_refused_in_plain_words() {
 
 /// Past the transition the floor carries load, unless floor contact is ignored.
 #[test]
-fn past_the_transition_the_floor_bears_its_part() {
+fn past_the_transition_the_floor_carries_load() {
     let server = Running::start();
     let asked = |values: Value| {
         let mut beyond = question(server.next(), &values);
@@ -276,36 +276,36 @@ fn what_cannot_be_is_refused_at_its_key() {
         let mut asked = question(server.next(), &case(0.01));
         change(&mut asked);
         let answer = server.ask("/api/contact", &asked);
-        let told: Value = serde_json::from_str(&answer.body).unwrap();
-        (answer.status, told)
+        let message: Value = serde_json::from_str(&answer.body).unwrap();
+        (answer.status, message)
     };
-    let (status, told) = refused(&|q| q["case"]["pattern.pillar.height"] = json!("5 mm"));
+    let (status, message) = refused(&|q| q["case"]["pattern.pillar.height"] = json!("5 mm"));
     assert_eq!(
-        (status, &told["key"]),
+        (status, &message["key"]),
         (422, &json!("pattern.pillar.height"))
     );
-    assert_eq!(told["message"], "cannot be 5 mm");
+    assert_eq!(message["message"], "cannot be 5 mm");
     assert!(
-        told["accepted"]
+        message["accepted"]
             .as_str()
             .unwrap()
             .contains("below the lens radius")
     );
-    let (status, told) = refused(&|q| q["case"]["lens.radius"] = json!("2 MPa"));
-    assert_eq!((status, &told["key"]), (422, &json!("lens.radius")));
-    let (status, told) = refused(&|q| q["case"]["pattern.surface_fraction"] = json!(0.6));
+    let (status, message) = refused(&|q| q["case"]["lens.radius"] = json!("2 MPa"));
+    assert_eq!((status, &message["key"]), (422, &json!("lens.radius")));
+    let (status, message) = refused(&|q| q["case"]["pattern.surface_fraction"] = json!(0.6));
     assert_eq!(
-        (status, &told["key"]),
+        (status, &message["key"]),
         (422, &json!("pattern.surface_fraction"))
     );
     assert!(
-        told["accepted"].as_str().unwrap().contains("up to 0."),
-        "{told}"
+        message["accepted"].as_str().unwrap().contains("up to 0."),
+        "{message}"
     );
-    let (status, told) = refused(&|q| q["case"]["lens.raduis"] = json!(1.0));
-    assert_eq!((status, &told["key"]), (422, &json!("lens.raduis")));
-    let (status, told) = refused(&|q| q["load"] = json!({ "fraction": 7.0 }));
-    assert_eq!((status, &told["key"]), (422, &json!("load.fraction")));
+    let (status, message) = refused(&|q| q["case"]["lens.raduis"] = json!(1.0));
+    assert_eq!((status, &message["key"]), (422, &json!("lens.raduis")));
+    let (status, message) = refused(&|q| q["load"] = json!({ "fraction": 7.0 }));
+    assert_eq!((status, &message["key"]), (422, &json!("load.fraction")));
     let (status, _) = refused(&|q| q["extra"] = json!(1));
     assert_eq!(status, 400);
     let (status, _) = refused(&|q| q["ticket"]["session"] = json!("x".repeat(100)));
@@ -319,8 +319,8 @@ fn files_are_those_of_the_command_line() {
         let mut asked = question(server.next(), &case(0.01));
         asked["file"] = json!(name);
         let answer = server.ask("/api/export", &asked);
-        let told = || format!("{name}: {}\n{}", answer.head, answer.body);
-        assert!(answer.status == 200, "{}", told());
+        let message = || format!("{name}: {}\n{}", answer.head, answer.body);
+        assert!(answer.status == 200, "{}", message());
         answer
     };
     let toml = file("case.toml").body;
@@ -400,7 +400,7 @@ fn the_newest_request_calls_off_those_before() {
 /// Two hundred connections that never complete their request, three times, each time before the page
 /// is requested.
 #[test]
-fn connections_that_say_nothing_keep_nobody_out() {
+fn idle_connections_do_not_block_others() {
     let server = Running::start();
     let page = format!("/{}/", server.token);
     let asked_before = server.get(&page, &[]).status;
@@ -434,13 +434,13 @@ fn a_busy_port_is_named_with_a_free_one() {
     let address = first.address();
     let port: u16 = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
     let error = Explorer::bind(&options(Some(port))).unwrap_err();
-    let told = error.to_string();
+    let message = error.to_string();
     assert!(
-        told.starts_with(&format!("port {port} is in use: port ")),
-        "{told}"
+        message.starts_with(&format!("port {port} is in use: port ")),
+        "{message}"
     );
     let ExploreError::PortInUse { next_free, .. } = error else {
-        panic!("{told}");
+        panic!("{message}");
     };
     assert!(Explorer::bind(&options(next_free)).is_ok());
 }

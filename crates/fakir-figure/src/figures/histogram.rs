@@ -71,10 +71,10 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
     }
     let y = Axis::linear("number of samples").over(0.0, 1.08 * tallest);
     let mut chart = Chart::new(Axis::linear(histogram.label.clone()), y, series);
-    let room = 0.5 * bins.width;
+    let space = 0.5 * bins.width;
     chart.x = chart.x.over(
-        bins.start - room,
-        bins.start + bins.width * bins.counts.len() as f64 + room,
+        bins.start - space,
+        bins.start + bins.width * bins.counts.len() as f64 + space,
     );
     chart.shades.push(Shade {
         corners: bins.outline(),

@@ -85,7 +85,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
         Lettering::All(&chart.y.label),
     ];
     let height = 0.86 * COLUMN;
-    let left = MARGIN + Frame::left_room(y_span, height, lettering[1]);
+    let left = MARGIN + Frame::left_space(y_span, height, lettering[1]);
     let frame = Frame {
         bounds: Bounds::new(left, MARGIN + 2.0, COLUMN - left - MARGIN - 4.0, height),
         x: x_span,
@@ -112,7 +112,7 @@ pub fn phase_diagram(diagram: &PhaseDiagram) -> Figure {
     }
     items.extend(region_names(&diagram.system, &frame, &taken));
     frame.draw(&mut items, lettering[0], lettering[1]);
-    let mut end = frame.bounds.bottom + Frame::bottom_room(lettering[0]) + MARGIN;
+    let mut end = frame.bounds.bottom + Frame::bottom_space(lettering[0]) + MARGIN;
     end += left.draw_below([0.5 * COLUMN, end], COLUMN - 2.0 * MARGIN, &mut items);
     Figure::new("phase-diagram", [COLUMN, end + MARGIN], items).with_description(
         "Phase diagram: reduced force over the contact radius",
@@ -191,12 +191,12 @@ fn region_names(system: &System, frame: &Frame, data: &[Item]) -> Vec<Item> {
             })
         };
         let free = |bounds: &Bounds| {
-            let roomy = bounds.grown(2.0);
+            let padded = bounds.grown(2.0);
             inside(bounds)
                 && !data
                     .iter()
                     .chain(&labels)
-                    .any(|item| item.comes_into(&roomy))
+                    .any(|item| item.comes_into(&padded))
         };
         let centre = |[x, y]: [f64; 2]| (x - 0.5).abs() + (y - 0.5).abs();
         if let Some([x, y]) = place_where(&frame.bounds, size, centre, free) {

@@ -78,7 +78,7 @@ pub fn pillar_pressure(state: &ContactState, run: &Run<'_>) -> Result<Figure, Fi
         bar.draw(at, SIDE - ARROW, &mut items);
         left += width;
     }
-    let end = top + SIDE + Frame::bottom_room(Lettering::All(&Text::default()));
+    let end = top + SIDE + Frame::bottom_space(Lettering::All(&Text::default()));
     let figure = Figure::new(
         "pillar-pressure",
         [right + maps_width + MARGIN, end + MARGIN],
@@ -168,9 +168,9 @@ impl Shown<'_> {
         Frame::draw_letter('a', [left, MARGIN], items);
         let (x_span, y_span) = (x.span(std::iter::empty()), y.span(std::iter::empty()));
         let lettering = Lettering::All(&y.label);
-        let room = Frame::left_room(y_span, height, lettering);
+        let space = Frame::left_space(y_span, height, lettering);
         let frame = Frame {
-            bounds: Bounds::new(left + room, top, right - left - room, height),
+            bounds: Bounds::new(left + space, top, right - left - space, height),
             x: x_span,
             y: y_span,
         };

@@ -232,7 +232,7 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
     let legend = Legend::of(&series);
     items.extend(data.iter().cloned());
     frame.draw(items, Lettering::All(&x.label), lettering);
-    let mut end = bounds.bottom + Frame::bottom_room(Lettering::All(&x.label));
+    let mut end = bounds.bottom + Frame::bottom_space(Lettering::All(&x.label));
     match legend.inside(&bounds, &data) {
         Some(legend) => items.extend(legend),
         None => {

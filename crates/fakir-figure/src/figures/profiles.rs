@@ -157,7 +157,7 @@ fn panel_figure(
         Text::from(format!("height ({})", y_unit.name)),
     ];
     let height = 92.0;
-    let left = MARGIN + Frame::left_room(y, height, Lettering::All(&names[1]));
+    let left = MARGIN + Frame::left_space(y, height, Lettering::All(&names[1]));
     let bounds = |top| Bounds::new(left, top, PAGE - left - MARGIN - 6.0, height);
     let mut items = Vec::new();
     let mut top = MARGIN + 2.0;
@@ -185,7 +185,7 @@ fn panel_figure(
         }
         let letter = ('a'..='z').nth(k).filter(|_| last > 0);
         title(&page, panel, letter, &mut items);
-        top += height + Frame::bottom_room(across) + 3.0;
+        top += height + Frame::bottom_space(across) + 3.0;
     }
     let figure = Figure::new("profiles", [PAGE, top + MARGIN - 3.0], items);
     Ok(figure.with_description(

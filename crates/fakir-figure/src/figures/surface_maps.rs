@@ -140,8 +140,8 @@ pub fn surface_gap_map(state: &SurfaceState<'_>) -> Result<Figure, FigureError> 
         }
     };
     let nearest = state.contact.nearest_floor.filter(|(gap, _)| {
-        let floor_bears = state.contact.shares.is_some_and(|s| s.floor.force > 0.0);
-        gap.is_finite() && !floor_bears
+        let floor_carries_load = state.contact.shares.is_some_and(|s| s.floor.force > 0.0);
+        gap.is_finite() && !floor_carries_load
     });
     let nearest = nearest.map(|(gap, place)| (gap, state.floor_contact.unwrap_or(place)));
     let mut signs = vec![(KeySign::Patch(TOUCHED), "in contact")];

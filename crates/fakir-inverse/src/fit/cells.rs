@@ -47,12 +47,12 @@ pub(super) enum Notation {
     Comma,
 }
 
-/// What a number alone says about the notation of its file.
+/// Notation of a file, if a single number determines it.
 #[derive(Debug, Default)]
 pub(super) struct Evidence {
     point: bool,
     comma: bool,
-    /// Points or commas that separate thousands without doubt.
+    /// Points or commas that can only separate thousands.
     points_of_thousands: bool,
 }
 

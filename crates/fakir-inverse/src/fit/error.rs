@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn too_few_data_are_counted_in_words_that_agree() {
-        let told = |values, parameters| {
+        let message = |values, parameters| {
             let name = "data".to_owned();
             let estimated = false;
             FitError::TooFewData {
@@ -231,9 +231,9 @@ mod tests {
             .to_string()
         };
         let start = "data: 1 measured value before the transition is too few for";
-        assert_eq!(told(1, 2), format!("{start} 2 parameters"));
+        assert_eq!(message(1, 2), format!("{start} 2 parameters"));
         assert!(
-            told(2, 1)
+            message(2, 1)
                 .ends_with("2 measured values before the transition are too few for 1 parameter")
         );
     }

@@ -1,4 +1,4 @@
-//! How a file was interpreted, and what the user says about it.
+//! The interpretation of a file, and the hints of the user.
 
 use super::column::Column;
 use super::heading::split_unit;
@@ -167,7 +167,7 @@ impl Skipped {
     }
 }
 
-/// What the user says about the columns of a file.
+/// Hints of the user about the columns of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Hints {
     /// Columns named by the user.

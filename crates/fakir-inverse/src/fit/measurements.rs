@@ -126,7 +126,7 @@ impl Measurements {
         Self::read_with(path, &named.into())
     }
 
-    /// Reads a file, with what the user says about its columns.
+    /// Reads a file, with the hints of the user about its columns.
     ///
     /// # Errors
     /// [`DataError`] names file, line and column.
@@ -148,7 +148,7 @@ impl Measurements {
         Self::from_bytes(name, bytes, &named.into())
     }
 
-    /// Reads the contents of a text file, with what the user says about its columns; `name` is its name in errors.
+    /// Reads the contents of a text file, with the hints of the user about its columns; `name` is its name in errors.
     ///
     /// # Errors
     /// As [`read`](Self::read).
@@ -578,7 +578,7 @@ impl Reader<'_> {
                 if force.value < 0.0 && row.contact_radius.is_some() && row.branch.is_none() =>
             {
                 let problem = format!(
-                    "{}: a force that is the load cannot be negative, unless a column branch says whether it \
+                    "{}: a force that is the load cannot be negative, unless a column branch states whether it \
                      was measured on loading or on unloading",
                     force.value
                 );
@@ -617,19 +617,19 @@ mod tests {
 
     #[test]
     fn cycles_that_are_not_alike_are_refused() {
-        let told = |loads: &[f64]| {
+        let message = |loads: &[f64]| {
             let columns = [Column::Indentation, Column::Force].map(|it| (it, loads.to_vec()));
-            let told = Measurements::new(&columns).unwrap().check_cycles();
-            told.map_err(|error| error.to_string())
+            let message = Measurements::new(&columns).unwrap().check_cycles();
+            message.map_err(|error| error.to_string())
         };
-        assert_eq!(told(&[0.0, 10.0, 0.0, 10.0, 0.0]), Ok(()));
-        let smaller = told(&[0.0, 10.0, 0.0, 6.0, 0.0]).unwrap_err();
+        assert_eq!(message(&[0.0, 10.0, 0.0, 10.0, 0.0]), Ok(()));
+        let smaller = message(&[0.0, 10.0, 0.0, 6.0, 0.0]).unwrap_err();
         assert!(
             smaller.starts_with("data:4: lines 4 to 5 are a cycle"),
             "{smaller}"
         );
         assert!(smaller.contains("give a column branch"), "{smaller}");
-        let not_back = told(&[0.0, 10.0, 4.0, 6.0, 10.0, 0.0]).unwrap_err();
+        let not_back = message(&[0.0, 10.0, 4.0, 6.0, 10.0, 0.0]).unwrap_err();
         assert!(not_back.contains("lines 4 to 6") && not_back.contains("before the lens is back"));
     }
 }

@@ -206,7 +206,7 @@ impl Misfit {
 
     /// Message to the user if the fit does not describe the data.
     #[must_use]
-    pub fn statement(&self, said: impl Fn(Parameter, f64) -> String) -> Option<String> {
+    pub fn statement(&self, words: impl Fn(Parameter, f64) -> String) -> Option<String> {
         if self.describes_data() {
             return None;
         }
@@ -225,7 +225,7 @@ impl Misfit {
             .collect();
         if let (true, Some(p)) = (self.is_chi_square_large(), self.chi_square_p_value) {
             reasons.push(format!(
-                "chi-square is larger than it should be (p = {}), so that errors that were given are too small or the model is wrong",
+                "chi-square is too large (p = {}): the given errors are too small, or the model is wrong",
                 probability(p)
             ));
         }
@@ -233,7 +233,7 @@ impl Misfit {
             .wanted()
             .map(|left| {
                 let about = left.value.map_or(String::new(), |value| {
-                    format!(", about {}", said(left.parameter, value))
+                    format!(", about {}", words(left.parameter, value))
                 });
                 format!(
                     "{} (p = {}{about})",
@@ -243,19 +243,19 @@ impl Misfit {
             })
             .collect();
         match &wanted[..] {
-            [] => reasons.push("no parameter that was held would mend it".to_owned()),
-            [one] => reasons.push(format!("it would take {one}, which was held")),
+            [] => reasons.push("no fixed parameter explains it".to_owned()),
+            [one] => reasons.push(format!("fixed parameter most likely wrong: {one}")),
             [first, others @ ..] => {
                 const MOST: usize = 2;
                 let some: Vec<&str> = others.iter().take(MOST).map(|text| &text[..]).collect();
                 reasons.push(format!(
-                    "it would take {first}, which was held, or {}",
+                    "fixed parameters most likely wrong: {first}, or {}",
                     some.join(" or ")
                 ));
             }
         }
         Some(format!(
-            "the fit does not describe the data, and its intervals do not hold: {}",
+            "the fit does not describe the data; its confidence intervals are not valid: {}",
             reasons.join("; ")
         ))
     }

@@ -1059,7 +1059,7 @@ impl<'a> Search<'a> {
                 let counts = |(k, datum): &(usize, &Datum)| {
                     // Rows that share jumps are correlated. Without adhesion, a jump of the radius affects a single row.
                     let known = self.known_variance(datum, half_pitch);
-                    let jumps = if self.model.sticks { known } else { 0.0 };
+                    let jumps = if self.model.is_adhesive { known } else { 0.0 };
                     datum.quantity == quantity
                         && self.model.branches[datum.row] == branch
                         && jumps <= JUMPS * self.errors[*k].powi(2)
@@ -1192,7 +1192,7 @@ impl<'a> Search<'a> {
             let score = Score::new(&residuals, &linear.rest(&column), length)?;
             let both = score.p_value(squares, freedom, is_estimated);
             // From a half-space, the thickness can change in one direction only.
-            let (p_value, is_near) = match (model.is_endless(*parameter), score.step > 0.0) {
+            let (p_value, is_near) = match (model.is_infinite(*parameter), score.step > 0.0) {
                 (false, _) => (both, score.step.abs() <= 1.0),
                 (true, true) => (0.5 * both, score.step <= 1.0),
                 (true, false) => (1.0 - 0.5 * both, false),
@@ -1257,7 +1257,7 @@ impl<'a> Search<'a> {
             })
             .collect();
         let settings = self.model.settings(&self.unknowns)?;
-        let solved = if self.model.sticks {
+        let solved = if self.model.is_adhesive {
             self.model.cycle(&settings)?
         } else {
             None
@@ -1475,8 +1475,8 @@ impl<'a> Search<'a> {
             [first, ref others @ ..] => {
                 let verb = if several { "cannot" } else { "alone cannot" };
                 format!(
-                    "{quantities} {verb} tell {first} from {}: only a combination of them is \
-                     determined; hold all but one of them",
+                    "{quantities} {verb} distinguish {first} from {}: only a combination of them is \
+                     determined; fix all but one of them",
                     others.join(" and ")
                 )
             }
@@ -1552,7 +1552,7 @@ impl<'a> Search<'a> {
             };
             FittedRow {
                 measurement: *measurement,
-                branch: self.model.sticks.then(|| self.model.branches[number]),
+                branch: self.model.is_adhesive.then(|| self.model.branches[number]),
                 indentation: state.indentation,
                 force: compared(Quantity::Force, state.read_force),
                 contact_radius: compared(Quantity::ContactRadius, state.contact_radius),

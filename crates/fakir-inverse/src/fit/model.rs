@@ -213,7 +213,7 @@ pub(super) struct Model<'a> {
     pub(super) wants_radius: bool,
     /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
     /// unloading.
-    pub(super) sticks: bool,
+    pub(super) is_adhesive: bool,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
     /// For every row, whether the lens is attached, if the data show it.
@@ -271,7 +271,7 @@ impl<'a> Model<'a> {
             },
             pool: run.pool,
             wants_radius,
-            sticks,
+            is_adhesive,
             stretches: stretches(data, &orders),
             attached: attached(data, &orders),
             orders,
@@ -283,8 +283,8 @@ impl<'a> Model<'a> {
             model.start.contact_point = model.likely_contact_point()?;
             model.begin_within_model()?;
         }
-        if let Some(endless) = free.iter().find(|free| model.is_endless(**free)) {
-            return Err(FitError::NotGiven(*endless));
+        if let Some(infinite) = free.iter().find(|free| model.is_infinite(**free)) {
+            return Err(FitError::NotGiven(*infinite));
         }
         model.begin_with_work()?;
         model.scales = model.scales_of(free)?;
@@ -309,7 +309,7 @@ impl<'a> Model<'a> {
             single: self.single.clone(),
             pool: self.pool,
             wants_radius: self.wants_radius,
-            sticks: self.sticks,
+            is_adhesive: self.is_adhesive,
             branches: self.branches.clone(),
             attached: self.attached.clone(),
             orders: self.orders.clone(),
@@ -337,7 +337,7 @@ impl<'a> Model<'a> {
         let scales = free.iter().map(|parameter| {
             Ok(match parameter {
                 Parameter::Key(_) if parameter.is_work() => Scale::FromZero(largest_work),
-                Parameter::Key(_) if self.is_endless(*parameter) => {
+                Parameter::Key(_) if self.is_infinite(*parameter) => {
                     Scale::Inverse(self.largest_contact()?)
                 }
                 Parameter::Key(_) if parameter.is_positive() => {
@@ -367,7 +367,7 @@ impl<'a> Model<'a> {
     }
 
     /// Whether it is the thickness of a half-space.
-    pub(super) fn is_endless(&self, parameter: Parameter) -> bool {
+    pub(super) fn is_infinite(&self, parameter: Parameter) -> bool {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
     }
 
@@ -484,7 +484,7 @@ impl<'a> Model<'a> {
     fn likely_contact_point(&self) -> Result<f64, FitError> {
         let wanted = 0.1 * self.largest_force();
         let rows = self.data.rows().iter().zip(&self.branches);
-        let rows = rows.filter(|(_, branch)| !self.sticks || **branch == Branch::Loading);
+        let rows = rows.filter(|(_, branch)| !self.is_adhesive || **branch == Branch::Loading);
         let offset = self.start.force_offset;
         let loaded =
             rows.filter_map(|(row, _)| Some((row.position?.value, row.force?.value - offset)));
@@ -513,7 +513,7 @@ impl<'a> Model<'a> {
         let mut rows: Vec<_> = self.data.rows().iter().zip(&self.moments).collect();
         rows.sort_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
         let last = (MOST * rows.len() as f64) as usize;
-        let Some((row, moment)) = rows.get(last).filter(|_| !self.sticks) else {
+        let Some((row, moment)) = rows.get(last).filter(|_| !self.is_adhesive) else {
             return Ok(());
         };
         let mut settings = self.start.clone();

@@ -254,7 +254,7 @@ impl Reader<'_> {
             }
             let quantity = one.column.quantity();
             let problem = format!(
-                "\"{first}\" could be the {quantity} too: say which one is, as {quantity}=\"{second}\""
+                "\"{first}\" could be the {quantity} too: select one, as {quantity}=\"{second}\""
             );
             return Err(fail(second, problem));
         }

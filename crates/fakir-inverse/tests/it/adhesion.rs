@@ -107,7 +107,7 @@ const FREE: [Parameter; 4] = [
 ];
 const TRUTHS: [f64; 4] = [0.03, 2e6, CONTACT_POINT, OFFSET];
 
-/// How often the intervals hold the truth, and the works of adhesion that were found.
+/// Number of intervals that contain the true value, and the fitted works of adhesion.
 fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([u64; 4], Vec<f64>) {
     let drive = match compliance > 0.0 {
         true => LoadingMode::Machine(1.0 / compliance),
@@ -117,7 +117,7 @@ fn draws(offset: &str, step: f64, noise: f64, compliance: f64, count: u64) -> ([
     let (mut inside, mut works) = ([0; 4], Vec::new());
     for seed in 0..count {
         let data = Measurements::new(&noisy(&exact, seed, noise)).unwrap();
-        // Nothing is said of the work, and the modulus is wrong.
+        // Without a value for the work, and with a wrong modulus.
         let first = case_file(&[offset, "adhesion.work=0", "substrate.young_modulus=1.5MPa"]);
         let fitted = run_fit(&first, &data, &FREE, compliance);
         assert_eq!(
@@ -144,7 +144,7 @@ fn close(value: f64, truth: f64, tolerance: f64) -> bool {
 /// Beside a pillar jumps are small; on one they are as large as they get, and by a soft machine larger still.
 #[test]
 #[ignore = "slow: fits of many cycles"]
-fn intervals_hold_the_truth_in_most_draws() {
+fn intervals_contain_the_true_value_in_most_draws() {
     for (offset, compliance, count) in [
         ("pattern.offset=0.3", 0.0, 4),
         ("pattern.offset=0", COMPLIANCE, 3),
@@ -181,7 +181,7 @@ fn small_data(overrides: &[&str], step: f64) -> Vec<(Column, Vec<f64>)> {
 }
 
 #[test]
-fn a_receding_work_is_told_from_data_of_both_branches() {
+fn a_receding_work_is_determined_from_data_of_both_branches() {
     let data = Measurements::new(&small_data(&["adhesion.work_receding=80mJ/m2"], 0.1e-6)).unwrap();
     let first = case_file(&["pattern.surface_fraction=0.01", "pattern.offset=0.3"]);
     let options = FitOptions {
@@ -316,8 +316,8 @@ fn an_offset_of_the_force_is_found() {
 }
 
 #[test]
-fn what_the_data_of_adhesion_lack_is_told() {
-    let told = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
+fn insufficient_data_of_adhesion_are_reported() {
+    let refusal = |columns: &[(Column, Vec<f64>)], work: &str, free: &[Parameter]| {
         let data = Measurements::new(columns).unwrap();
         let file = case_file(&["pattern.surface_fraction=0.01", work]);
         fit(&file, &data, free, &FitOptions::default(), &Run::default())
@@ -330,7 +330,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, up.clone()),
         (Column::Force, vec![1e-6, 2e-6, 4e-6, 8e-6]),
     ];
-    let message = told(&loading, work, &[WORK]);
+    let message = refusal(&loading, work, &[WORK]);
     assert!(
         message.contains("adhesion.work takes rows of the unloading"),
         "{message}"
@@ -339,7 +339,7 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, vec![0.5e-6, 2e-6, 1e-6, 0.5e-6]),
         (Column::Force, vec![1e-6, 8e-6, 3e-6, 1e-6]),
     ];
-    let message = told(&down, work, &[WORK]);
+    let message = refusal(&down, work, &[WORK]);
     assert!(
         message.contains("give adhesion.work in the case"),
         "{message}"
@@ -348,14 +348,14 @@ fn what_the_data_of_adhesion_lack_is_told() {
         (Column::Indentation, up.clone()),
         (Column::ContactRadius, up.clone()),
     ];
-    let message = told(&radii, work, &[Parameter::ForceOffset]);
+    let message = refusal(&radii, work, &[Parameter::ForceOffset]);
     assert!(
         message.contains("force_offset takes a column force_N"),
         "{message}"
     );
     let mut partly = loading.to_vec();
     partly.push((Column::Branch, vec![0.0, 0.0, f64::NAN, 1.0]));
-    let message = told(&partly, work, &[WORK]);
+    let message = refusal(&partly, work, &[WORK]);
     assert!(message.contains("branch: no branch here"), "{message}");
     let odd = "branch,indentation_m,force_N\nup,1e-6,1e-6\n";
     let message = Measurements::from_csv("data.csv", odd.as_bytes(), &[])

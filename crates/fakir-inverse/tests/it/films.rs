@@ -62,8 +62,8 @@ fn layers_are_found_again() {
         Wanted::Force(1e-3),
         &run,
     );
-    let told = error.unwrap_err().to_string();
-    assert!(told.contains("substrate.base"), "{told}");
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("substrate.base"), "{message}");
 }
 
 /// A film is at least as thick as its pillars are high, and a layer at least a quarter of their diameter thick; the

@@ -206,8 +206,8 @@ fn rows_outside_of_the_model_are_named_and_left_out() {
     let lines: Vec<u64> = fitted.not_modelled.iter().map(|(line, _)| *line).collect();
     assert_eq!(lines, [10]);
     let warnings = fitted.warnings().join("\n");
-    let told = "1 row (line 10) is outside of the model and left out: the contact would reach";
-    assert!(warnings.contains(told), "{warnings}");
+    let message = "1 row (line 10) is outside of the model and left out: the contact would reach";
+    assert!(warnings.contains(message), "{warnings}");
 }
 
 /// Boundary elements 0.75 um wide under a lens that presses 1 pm: no cell is touched, which states a force of 0 with an error of 1. At 0.1 nm four cells are touched, and none of
@@ -236,7 +236,7 @@ fn rows_whose_contacts_are_not_resolved_are_named() {
 }
 
 #[test]
-fn moduli_that_force_cannot_tell_apart() {
+fn moduli_that_force_cannot_distinguish() {
     // Without columns only the common compliance of both bodies has an effect.
     let file = case_file(&["pattern.pillar.compliance=none", "lens.young_modulus=3MPa"]);
     let [displacement, force, _] = loading(&file, &indentations(12));
@@ -253,8 +253,8 @@ fn moduli_that_force_cannot_tell_apart() {
     assert_eq!(fitted.undetermined.len(), 1);
     assert_eq!(
         fitted.undetermined[0].statement,
-        "force alone cannot tell lens.young_modulus from substrate.young_modulus: only a \
-         combination of them is determined; hold all but one of them"
+        "force alone cannot distinguish lens.young_modulus from substrate.young_modulus: only a \
+         combination of them is determined; fix all but one of them"
     );
     for estimate in &fitted.estimates[..2] {
         assert!(estimate.interval.is_none() && estimate.standard_error.is_none());
@@ -336,7 +336,7 @@ fn states_past_the_transition_are_used_with_the_floor() {
 
 #[test]
 #[ignore = "slow: many fits"]
-fn intervals_hold_the_truth_as_often_as_they_say() {
+fn intervals_contain_the_true_value_at_their_level() {
     const DRAWS: u64 = 100;
     const NOISE: f64 = 0.3e-6; // N, where the largest force is 100 uN
     let file = case_file(&[]);
@@ -385,7 +385,7 @@ fn intervals_hold_the_truth_as_often_as_they_say() {
 }
 
 #[test]
-fn what_cannot_be_fitted_says_why() {
+fn errors_state_why_a_fit_is_impossible() {
     let file = case_file(&[]);
     let columns = |count: usize| {
         let [displacement, force, _] = loading(&file, &indentations(count));
@@ -416,7 +416,7 @@ fn what_cannot_be_fitted_says_why() {
 }
 
 #[test]
-fn malformed_files_say_where() {
+fn errors_of_malformed_files_state_their_place() {
     let texts = [
         "",
         "1,2\n3,4\n",
@@ -738,7 +738,7 @@ fn noisy_fit(seed: u64, compliance: f64, error: Option<f64>, run: &Run<'_>) -> F
 
 #[test]
 #[ignore = "slow: many fits"]
-fn fits_that_describe_the_data_warn_as_often_as_the_level_says() {
+fn fits_that_describe_the_data_warn_at_the_level_of_the_test() {
     const DRAWS: u64 = 100;
     let pool = rayon::ThreadPoolBuilder::new().build().unwrap();
     let run = Run {
@@ -905,7 +905,7 @@ fn films_that_are_left_out_are_named() {
     }
 }
 
-/// Minutes. Asked for are 90 intervals that cover, and 90 warnings where the film is left out. Of the 100 warnings 85 say that a thickness would
+/// Takes minutes. Requires 90 intervals that contain the true value, and 90 warnings if the film is neglected. Of the 100 warnings 85 report that a thickness would
 /// mend the fit; the others name what looks alike under that noise.
 #[test]
 #[ignore = "a campaign"]

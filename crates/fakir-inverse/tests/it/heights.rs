@@ -93,7 +93,7 @@ fn force_of_the_indentation() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_said() {
+fn unattainable_curves_are_refused() {
     let wanted: Vec<WantedPoint> = [10.0, 45.0, 80.0]
         .into_iter()
         .map(|zeta: f64| WantedPoint {
@@ -124,8 +124,8 @@ fn curves_that_cannot_be_are_refused() {
         [at(1.0, 1.0), at(1.0, 2.0)],
         [at(1.0, 1.0), at(2.0, f64::NAN)],
     ] {
-        let told = refused(&wanted).to_string();
-        assert!(told.contains("point 1 (counted from 0)"), "{told}");
+        let message = refused(&wanted).to_string();
+        assert!(message.contains("point 1 (counted from 0)"), "{message}");
     }
 }
 
@@ -148,7 +148,9 @@ fn curves_that_fall_and_areas_out_of_reach_are_refused() {
     );
     let stays = refused(Curve::ForceOfIndentation, &[[2e6, 2e5], [3e6, 2e5]]);
     assert!(
-        stays.to_string().contains("the wanted force does not rise"),
+        stays
+            .to_string()
+            .contains("the target force does not increase"),
         "{stays}"
     );
     // Hertz: 64 asperities with a 64th of the force each have four times the area of one asperity with the whole

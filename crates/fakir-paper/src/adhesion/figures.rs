@@ -13,7 +13,7 @@ use fakir_figure::{
     Axis, Dash, LineChart, Marker, PhaseDiagram, Series, Style, Tint, lines, phase_diagram,
     phase_point,
 };
-use fakir_study::{Fate, Validity, collapse_path};
+use fakir_study::{FloorOutcome, Validity, collapse_path};
 
 /// Rounds a number of an axis to remove rounding errors.
 fn rounded(value: f64) -> f64 {
@@ -34,7 +34,7 @@ struct Way {
 
 fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     let bare = system(Substrate::Intermediate, 0.0, fraction)?;
-    let sticky = bare
+    let adhesive = bare
         .with_adhesion(Adhesion::new(work))
         .map_err(SolveError::from)?;
     let critical = fakir::transition(&bare, Method::default(), run)?.contact;
@@ -210,8 +210,9 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
         line: None,
         marker: Some(marker),
     };
-    let is = |fate: Fate| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
-    let told = [
+    let is =
+        |fate: FloorOutcome| move |case: &FloorCase| case.fate().unwrap_or(case.found.fate) == fate;
+    let classes = [
         (
             "attached at zero load",
             Fate::HeldThroughZero,
@@ -225,7 +226,7 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
             Marker::Square,
         ),
     ];
-    for (label, fate, tint, marker) in told {
+    for (label, fate, tint, marker) in classes {
         series.push(Series::new(
             label,
             points(&|case| good(case) && is(fate)(case)),

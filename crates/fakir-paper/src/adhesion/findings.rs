@@ -5,7 +5,7 @@ use super::study::{Cases, FloorCase, Scope, same};
 use crate::claims::{percent, short};
 use crate::grid::Substrate;
 use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, MODEL_ERROR_OF_FORCE};
-use fakir_study::{Fate, MODEL_ERROR_OF_LOSS, Validity};
+use fakir_study::{FloorOutcome, MODEL_ERROR_OF_LOSS, Validity};
 use std::fmt::Write;
 
 /// The work of adhesion of the paper's rubber, J/m^2.
@@ -83,10 +83,10 @@ fn coverage(cases: &Cases) -> Option<Finding> {
         name: "coverage",
         title: "What the numbers are worth",
         text: format!(
-            "Of {all} cases of a floor that sticks the fast model is in its range in {good} ({}): one stuck region of two pitches at least in radius, annuli \
-             below 0.3 pitches. There its force is good to {} of that of the tops, its area to {}, and where the floor is lost to {} ζ_c, as it was held against cells on the floor. In {narrow} the stuck \
-             region is too small for a disc, in {wide} annuli are too wide, in {meet} they would meet and the model was not asked, and in {none} no front stands still: {solved} of those are solved \
-             on cells of the floor, with errors of their own. \
+            "Of {all} cases of an adhesive floor the fast model is in its range in {good} ({}): one bonded region of at least two pitches in radius, annuli \
+             below 0.3 pitches. There its force is accurate to {} of that of the tops, its area to {}, and the indentation of detachment to {} ζ_c, by comparison with cells on the floor. In {narrow} the bonded \
+             region is too small for a disc, in {wide} annuli are too wide, in {meet} they would meet and the model was not evaluated, and in {none} no front is in equilibrium: {solved} of those are solved \
+             on cells of the floor, with separate errors. \
              In {steep} of those in range the step beside a pillar is steeper than 1, where linear elasticity itself is doubtful.",
             percent(share(good, all)),
             percent(MODEL_ERROR_OF_FORCE),
@@ -156,8 +156,8 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
             [of_force, of_area].map(|of| of.map(percent));
         let _ = write!(
             text,
-            " After the jump the fast model is in its range for {}: its force differs by {force_change} of the critical force at most, and its area by {area_change}, where \
-             cells are right to {force_error} and {area_error} by their own estimates.",
+            " After the jump the fast model is in its range for {}: its force differs by {force_change} of the critical force at most, and its area by {area_change}; the estimated \
+             errors of the cells are {force_error} and {area_error}.",
             counted(force.len()),
         );
     }
@@ -165,7 +165,7 @@ fn on_cells(cases: &Cases) -> Option<Finding> {
         let [change, error] = of_loss.map(short);
         let _ = write!(
             text,
-            " Where the lens turns back it is for {}: the indentation at which the floor is lost differs by {change} ζ_c at most, where cells are right to {error} ζ_c.",
+            " At the unloading point it is for {}: the indentation at which the floor detaches differs by {change} ζ_c at most; the error of the cells is {error} ζ_c.",
             counted(loss.len()),
         );
     }
@@ -209,7 +209,7 @@ fn tops(cases: &Cases) -> Option<Finding> {
         name: "critical-force",
         title: "The load at which the floor is touched",
         text: format!(
-            "Adhesion acts after touching: on the rigid and the intermediate substrate tops that stick change the critical force by {} at most.",
+            "Adhesion acts after first contact: on the rigid and the intermediate substrate adhesive tops change the critical force by {} at most.",
             percent(low.abs().max(high.abs()))
         ),
         numbers: named([
@@ -240,7 +240,7 @@ fn thresholds(cases: &Cases) -> Option<Finding> {
         name: "thresholds",
         title: "The threshold of the flat lattice",
         text: format!(
-            "Without load the floor of the flat lattice at φ = {TYPICAL} is drawn down above w_c = {}, {} and {} mJ/m^2 on the rigid, the intermediate and the soft \
+            "Without load the flat lattice at φ = {TYPICAL} collapses onto the floor above w_c = {}, {} and {} mJ/m^2 on the rigid, the intermediate and the soft \
              substrate (closed form).",
             short(rigid),
             short(intermediate),
@@ -282,20 +282,20 @@ fn jump(cases: &Cases) -> Option<Finding> {
 /// Range of works of adhesion, in units of the work of collapse, beyond which the floor remains
 /// attached at zero load.
 fn border(cases: &Cases) -> Option<Finding> {
-    let ratio = |fate: Fate| {
+    let ratio = |fate: FloorOutcome| {
         let on = [Substrate::Rigid, Substrate::Intermediate].into_iter();
         on.flat_map(|substrate| cases.on_pillar(substrate))
             .filter(move |case| case.fate() == Some(fate))
             .map(|case| case.found.work_over_collapse_work)
     };
-    let (_, last) = range(ratio(Fate::LostUnderLoad))?;
-    let (first, _) = range(ratio(Fate::HeldThroughZero))?;
+    let (_, last) = range(ratio(FloorOutcome::LostUnderLoad))?;
+    let (first, _) = range(ratio(FloorOutcome::HeldThroughZero))?;
     Some(Finding {
         name: "border",
-        title: "When the floor holds without load",
+        title: "Attachment of the floor without load",
         text: format!(
-            "On the rigid and the intermediate substrate, on cells or in the range of the model, the floor is lost under load up to w/w_c = {} and held through zero load from w/w_c = {} on. \
-             The threshold of the flat lattice is 1: shells of pillars hold a front that has been made.",
+            "On the rigid and the intermediate substrate, on cells or in the range of the model, the floor detaches under load up to w/w_c = {} and is attached at zero load from w/w_c = {} on. \
+             The threshold of the flat lattice is 1: shells of pillars pin an existing front.",
             short(last),
             short(first)
         ),
@@ -315,7 +315,7 @@ fn pulls(cases: &Cases) -> Option<Finding> {
         name: "pull-off",
         title: "Pull-off",
         text: format!(
-            "There the floor is torn off with {} mN, {} times the {} mN of the tops alone; seen as smooth (closed form) it would take {} mN.",
+            "There the pull-off force of the floor is {} mN, {} times the {} mN of the tops alone; treated as smooth (closed form) it is {} mN.",
             short(floor),
             short(floor / tops),
             short(tops),
@@ -341,7 +341,7 @@ fn losses(cases: &Cases) -> Option<Finding> {
         name: "hysteresis",
         title: "Hysteresis",
         text: format!(
-            "A floor that sticks loses {} to {} times what the tops alone lose in their cycle, over all cases in range; that of the floor is for a lens that turns back at 1.2 ζ_c.",
+            "The hysteresis of an adhesive floor is {} to {} times that of the tops alone, over all cases in range; that of the floor is for unloading from 1.2 ζ_c.",
             short(low),
             short(high)
         ),
@@ -391,11 +391,11 @@ fn rubber(scope: &Scope, cases: &Cases) -> Option<Finding> {
                 short(pull)
             ));
         } else {
-            text.push_str(", on the way back it is pressed all the time");
+            text.push_str(", during unloading it is under compression throughout");
         }
         if let Some(lost) = lost {
             text.push_str(&format!(
-                " until the floor lets go at {} ζ_c",
+                " until the floor detaches at {} ζ_c",
                 short(push("rubber_lost_over_critical", lost))
             ));
         }
@@ -441,8 +441,8 @@ fn scaling((law, held): &Checked) -> Finding {
     let name = law.reduced.name();
     let unit = law.unit();
     let mut text = format!(
-        "{} = {}: {} cases scatter about it by {}{unit}, {} at most; of 20 cases of systems that it does not come from 19 are expected within {}{unit}. Standard errors are given as if the residuals \
-         were noise, which they are not.",
+        "{} = {}: {} cases scatter about it by {}{unit}, {} at most; of 20 cases of other systems 19 are expected within {}{unit}. Standard errors assume that the residuals \
+         are noise, which they are not.",
         law.reduced.plain(),
         law.words(),
         law.points,
@@ -451,9 +451,9 @@ fn scaling((law, held): &Checked) -> Finding {
         percent(law.band),
     );
     numbers.push((format!("{name}_band"), law.band));
-    text.push_str(&format!(" It comes from {}.", ranges.join(", ")));
+    text.push_str(&format!(" It is fitted to {}.", ranges.join(", ")));
     if law.band > NO_LAW {
-        text.push_str(" With cases that far from it, it is a trend and no law.");
+        text.push_str(" As some cases deviate that much, it is a trend, not a law.");
     }
     if let Some(held) = held {
         text.push_str(&format!(
@@ -508,7 +508,7 @@ fn offsets(cases: &Cases) -> Option<Finding> {
         name: "offset",
         title: "Where the lens lands",
         text: format!(
-            "With the axis 0.3 pitches beside a pillar instead of on it, the way back to the loss of the floor changes by {} at most and the area after the jump by {}, over all cases in range.",
+            "With the axis 0.3 pitches beside a pillar instead of on it, the withdrawal until the floor detaches changes by {} at most and the area after the jump by {}, over all cases in range.",
             percent(back),
             percent(area)
         ),
@@ -567,7 +567,7 @@ fn sizes(scope: &Scope, cases: &Cases) -> Option<Finding> {
         name: "sizes",
         title: "Height and diameter of the pillars",
         text: format!(
-            "At the same surface fraction and work of adhesion, on the intermediate substrate: 1 - ζ_lost/ζ_c goes with the height as a power from {} to {} and with the diameter as one from {} to {}; the hysteresis as one \
+            "At the same surface fraction and work of adhesion, on the intermediate substrate: 1 - ζ_lost/ζ_c is a power of the height with exponents from {} to {} and of the diameter with exponents from {} to {}; for the hysteresis they are \
              from {} to {} and from {} to {}.",
             short(height.0),
             short(height.1),

@@ -2,7 +2,7 @@
 //!
 //! [`reproduce_adhesion`] writes the study to a folder:
 //!
-//! | file | what it holds |
+//! | file | content |
 //! |---|---|
 //! | `floor/`, `tops/`, `sizes/`, `offsets/`, `check/`, `cells/` | [sweeps](fakir_study::sweep_into), each a study that can be run by itself |
 //! | `tables/` | findings, laws, candidates of laws, ways of the lens |
@@ -115,8 +115,8 @@ pub fn reproduce_adhesion(
     let (mut count, mut failed) = (0, 0);
     let mut sweep = |part: Part, known: &Cases| -> Result<(Study, Vec<Row>), PaperError> {
         let study = scope.study(part, known)?;
-        let tell = |progress| on_progress(Progress::Sweep(part, progress));
-        let summary = swept(&study, &folder.join(part.folder()), existing, run, &tell)?;
+        let report = |progress| on_progress(Progress::Sweep(part, progress));
+        let summary = swept(&study, &folder.join(part.folder()), existing, run, &report)?;
         damaged.extend(summary.damaged);
         count += summary.rows.len();
         let failures = summary.rows.iter().filter(|row| row.problem.is_some());
@@ -187,7 +187,7 @@ fn provenance(study: &Study) -> Provenance {
     ]
     .concat();
     Provenance::new(
-        "adhesion of lens and textured surface, with a floor that sticks",
+        "adhesion of lens and patterned surface, with an adhesive floor",
         sweep.method,
         &topics,
         study.to_toml(),

@@ -22,12 +22,12 @@ pub(crate) struct Page<'a> {
     pub(crate) failed: usize,
 }
 
-const TITLE: &str = "The fakir sticks: adhesion on tops and floor";
+const TITLE: &str = "The adhesive fakir: adhesion on tops and floor";
 
 const SYMBOLS: [(&str, &str); 11] = [
     (
         "φ",
-        "surface fraction: part of the surface that is pillar top",
+        "surface fraction: fraction of the surface covered by pillar tops",
     ),
     ("d, h, a", "diameter, height and radius of a pillar"),
     (
@@ -37,28 +37,28 @@ const SYMBOLS: [(&str, &str); 11] = [
     ("w", "work of adhesion, of tops and floor alike"),
     (
         "w_c",
-        "work of adhesion above which the floor of the flat lattice is drawn down without load (closed form)",
+        "work of adhesion above which the flat lattice collapses onto the floor without load (closed form)",
     ),
     (
         "κ",
-        "how much a pillar gives way as a column, over how much as a flat punch",
+        "compliance of a pillar as a column, over that as a flat punch",
     ),
     (
         "F_c, ζ_c, a_c",
-        "force, indentation and contact radius where the lens first touches the floor",
+        "force, indentation and contact radius at first contact with the floor",
     ),
     (
         "F, A",
-        "force and area of the stuck floor just after the jump at ζ_c",
+        "force, and area of the bonded floor, just after the jump at ζ_c",
     ),
     (
         "ζ_lost",
         "indentation at which the floor is lost on the way back",
     ),
-    ("F_off", "largest pull while the floor sticks"),
+    ("F_off", "largest tensile force while the floor is attached"),
     (
         "W",
-        "hysteresis: area between loading and unloading as far as the floor sticks, for a lens that turns back at 1.2 ζ_c",
+        "hysteresis: area between loading and unloading until the floor detaches, for unloading from 1.2 ζ_c",
     ),
 ];
 
@@ -91,8 +91,8 @@ impl Page<'_> {
                 }
             }
             p {
-                "Methods: the critical state and the tops alone are exact; the floor that sticks is computed by the fast model of a collapsed floor (free annuli as cracks in a stuck disc, \
-                 a circular front), with its validity in the columns " code { "jump_validity" } " and " code { "unloading_validity" } " of every row, and beyond its range at small works of adhesion, where the floor sticks hole by hole, on cells, each with its error; \
+                "Methods: the critical state and the tops alone are exact; the adhesive floor is computed by the fast model of a collapsed floor (free annuli as cracks in a bonded disc, \
+                 a circular front), with its validity in the columns " code { "jump_validity" } " and " code { "unloading_validity" } " of every row, and beyond its range at small works of adhesion, where the floor bonds at each hollow site separately, on cells, each with its error; \
                  thresholds, annuli and the smooth floor are closed forms."
             }
         }
@@ -117,8 +117,8 @@ impl Page<'_> {
         html! {
             h2 { "Laws" }
             p {
-                "Least squares, in logarithms but for the pull-off, over the rigid and the intermediate substrate and other heights and diameters, on cells or in the range of the model, from w = " (LEAST_THRESHOLD) " w" sub { "c" } " on: below, patches small against their holes come off like spheres and do not feel the pillars. Heights and lengths along the surface scale apart from each other, so that no \
-                 more groups than these can matter. Chosen are the fewest groups whose residual, every system with all its works of adhesion left out of the law it is held against, is within 15 % of the least; all candidates are in "
+                "Least squares, in logarithms but for the pull-off, over the rigid and the intermediate substrate and other heights and diameters, on cells or in the range of the model, from w = " (LEAST_THRESHOLD) " w" sub { "c" } " on: below, patches that are small compared with the hollow sites detach like spheres and are not affected by the pillars. Heights and lengths along the surface scale independently, so that no \
+                 other groups are possible. Selected is the smallest number of groups whose residual in cross-validation, in which each system is compared with a law fitted to the others, is within 15 % of the smallest; all candidates are in "
                 code { "tables/laws.csv" } "."
             }
             div.scroll { table {
@@ -152,7 +152,7 @@ impl Page<'_> {
         html! {
             h2 { "The paper's experiments with 50 mJ/m" sup { "2" } }
             p {
-                "Intermediate substrate, lens axis on a pillar, by the fast model. Rows in which it is not in its range say why, and are orders of magnitude."
+                "Intermediate substrate, lens axis on a pillar, by the fast model. Rows outside its range state the reason, and are orders of magnitude."
             }
             div.scroll { table {
                 thead { tr {
@@ -186,8 +186,8 @@ impl Page<'_> {
         html! {
             h2 { "What is left out" }
             p {
-                "In the fast model fronts that are no circle, tops that stick in part while the floor does, and regions of one patch per hole; on cells hysteresis, as those cycles turn back at first touch; in both works of adhesion that differ between making and breaking contact; friction, the finite range of \
-                 attraction, and strains beyond linear elasticity, which steps steeper than 1 beside pillars reach."
+                "In the fast model, fronts that are not circles, partially bonded tops while the floor is attached, and regions of one patch per hollow site; on cells, hysteresis, as those cycles are unloaded from first contact; in both, works of adhesion that differ between making and breaking contact, friction, the finite range of \
+                 attraction, and strains beyond linear elasticity, which occur at steps steeper than 1 beside pillars."
             }
             h2 { "Files, and how to make them again" }
             p {

@@ -6,7 +6,7 @@
 
 use super::study::{FloorCase, OnCells};
 use fakir::solve::collapsed_floor::{MODEL_ERROR_OF_AREA, NARROWEST_FRONT};
-use fakir_study::{Fate, FloorJump, FloorLoss, Validity};
+use fakir_study::{FloorJump, FloorLoss, FloorOutcome, Validity};
 use std::f64::consts::PI;
 
 /// Dimensionless quantity of a law.
@@ -93,7 +93,7 @@ impl Reduced {
     /// model requires, because with fewer hollow sites their number causes steps. These cycles turn back at the first floor contact, so that their
     /// hysteresis cannot be compared with that of the model.
     fn on_cells(self, case: &FloorCase, cells: OnCells) -> Option<f64> {
-        let held = case.fate() == Some(Fate::HeldThroughZero);
+        let held = case.fate() == Some(FloorOutcome::HeldThroughZero);
         let pull = cells.pull_off.filter(|_| held);
         let wide = cells.jump.front_radius >= NARROWEST_FRONT * cells.pitch;
         let quotient = self.quotient(&Figures {

@@ -1,11 +1,11 @@
 //! The cases of the study: varied parameters, and sorted rows.
 
 use crate::grid::Substrate;
-use fakir::theory::stuck_floor::StuckFloor;
+use fakir::theory::stuck_floor::AdhesiveFloor;
 use fakir_case::study::Coordinate;
 use fakir_case::{Case, CaseError, CaseFile, Key, Study, StudyFile};
 use fakir_study::record::Record;
-use fakir_study::{Collapsed, Fate, FloorJump, FloorLoss, Row, RowAnswer, Validity};
+use fakir_study::{Collapsed, FloorJump, FloorLoss, FloorOutcome, Row, RowAnswer, Validity};
 use std::fmt::Write;
 
 /// A part of the study: a sweep in a separate folder.
@@ -55,7 +55,7 @@ impl Part {
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
-            Self::Floor => "a floor that sticks, by the fast model and closed forms",
+            Self::Floor => "an adhesive floor, with the fast model and closed forms",
             Self::Tops => "tops alone, exactly",
             Self::Sizes => "other heights and diameters",
             Self::Offsets => "the lens axis beside a pillar",
@@ -267,7 +267,7 @@ pub fn others(count: usize, after: usize) -> Result<Vec<[f64; 6]>, CaseError> {
             for (key, value) in VARIED.into_iter().zip(values).take(5) {
                 file.set_number(key, value);
             }
-            if let Ok(floor) = StuckFloor::of(&file.case()?.system) {
+            if let Ok(floor) = AdhesiveFloor::of(&file.case()?.system) {
                 values[5] *= floor.collapse_threshold().work;
             }
             Ok(values)
@@ -328,11 +328,11 @@ impl FloorCase {
 
     /// Behaviour of the floor on unloading: from cells, or from the fast model within its range.
     #[must_use]
-    pub fn fate(&self) -> Option<Fate> {
+    pub fn fate(&self) -> Option<FloorOutcome> {
         let on_cells = self.cells.and_then(|cells| cells.lost);
         match on_cells {
-            Some(lost) if lost.force > 0.0 => Some(Fate::LostUnderLoad),
-            Some(_) => Some(Fate::HeldThroughZero),
+            Some(lost) if lost.force > 0.0 => Some(FloorOutcome::LostUnderLoad),
+            Some(_) => Some(FloorOutcome::HeldThroughZero),
             None => (self.found.unloading_validity == Validity::InRange).then_some(self.found.fate),
         }
     }

@@ -48,7 +48,7 @@ fn slope(points: &[(f64, f64)]) -> f64 {
 /// faults; files are where the report states.
 #[test]
 #[ignore = "slow: the whole study"]
-fn the_report_says_what_the_tables_say() {
+fn the_report_agrees_with_the_tables() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path().join("paper");
     let measured = Measured {

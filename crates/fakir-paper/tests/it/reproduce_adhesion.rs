@@ -53,7 +53,7 @@ fn small() -> Scope {
 /// tables.
 #[test]
 #[ignore = "slow: the whole study"]
-fn the_report_says_what_the_tables_say() {
+fn the_report_agrees_with_the_tables() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("reproduce-adhesion");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).unwrap();
@@ -166,7 +166,7 @@ fn the_report_says_what_the_tables_say() {
         let held = held.unwrap();
         same(&format!("{name}_held_out_scatter"), held.scatter);
         println!(
-            "{} = {}: {} {} held {held:?}",
+            "{} = {}: {} {} held out {held:?}",
             law.reduced.plain(),
             law.words(),
             law.scatter,
@@ -183,17 +183,17 @@ fn the_report_says_what_the_tables_say() {
 
     // Systems that were not in the study.
     let fresh = fresh(20, 20);
-    let (mut told, mut right) = (0, 0);
+    let (mut cases, mut right) = (0, 0);
     for (law, held) in &made.laws {
         let found = HeldOut::new(law, &fresh).unwrap();
         println!("{}: {found:?}, band {}", law.reduced.name(), law.band);
-        let said = law.band.max(held.unwrap().largest);
-        let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= said);
-        told += found.points;
+        let largest = law.band.max(held.unwrap().largest);
+        let within = |case: &&FloorCase| law.distance(case).is_some_and(|d| d <= largest);
+        cases += found.points;
         right += fresh.iter().filter(within).count();
     }
-    println!("{right} of {told} within what the report says");
-    assert!(20 * right >= 19 * told, "{right} of {told}");
+    println!("{right} of {cases} within the interval of the report");
+    assert!(20 * right >= 19 * cases, "{right} of {cases}");
     for finding in &made.findings {
         println!("{}: {}", finding.title, finding.text);
     }
@@ -237,7 +237,7 @@ fn systems_with_the_same_groups_are_the_same() {
             (Key::PillarHeight, 2.2e-6 * up),
             (Key::PillarDiameter, 6e-6 * along),
             (Key::LensYoungModulus, 2e6 * stiff),
-            // The column gives way as h/(E_s d) against 1/E*: stiffer by what it is more slender.
+            // The compliance of the column is proportional to h/(E_s d), that of the punch to 1/E*.
             (Key::SubstrateYoungModulus, 1e12),
             (Key::SurfaceFraction, 0.03),
             (Key::WorkOfAdhesion, 60e-3 * stiff * up * up / along),

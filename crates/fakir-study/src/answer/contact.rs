@@ -5,7 +5,7 @@ use super::request::{AnswerError, Details, Running};
 use crate::approach::Loadable;
 use crate::provenance::Provenance;
 use crate::record::{GradientObject, Record};
-use crate::report::state::{strained_range, with_derivatives};
+use crate::report::state::{range_warnings, with_derivatives};
 use crate::result::{control_words, json};
 use fakir::problem::Load;
 use fakir::state::{Limit, Run, Solution};
@@ -106,7 +106,7 @@ impl<K: Kind> Found<K> for Pressed<ContactOf<K>> {
     ) -> Result<Vec<String>, AnswerError> {
         let contact = self.reached.contact();
         let mut warnings = of.case.problem().warnings(contact);
-        warnings.extend(strained_range(&self.limits(of)));
+        warnings.extend(range_warnings(&self.limits(of)));
         if let Reached::Contact(contact) = &self.reached {
             warnings.extend(of.case.further_warnings(contact, running)?);
         }

@@ -7,7 +7,7 @@ use crate::numbers::{digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
 use crate::record::Record;
 use crate::report::state::{
-    QuantityList, adhesion_words, alone, drive_words, error_remark, strained_range,
+    QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
 };
 use crate::report::table::{Column, table};
 use crate::result::{
@@ -58,7 +58,7 @@ impl<K: Kind> Found<K> for Cycle {
 
     fn warnings(&self, of: &Context<'_, K>, _: &Running<'_>) -> Result<Vec<String>, AnswerError> {
         let limits = Cycle::limits(self, of.details.range);
-        Ok([cycle_warnings(self), strained_range(&limits)].concat())
+        Ok([cycle_warnings(self), range_warnings(&limits)].concat())
     }
 
     fn files(
@@ -79,7 +79,7 @@ impl<K: Kind> Found<K> for Cycle {
             let table = pillars_of(&pull_off.pillars);
             files.extend(table.some_csv("pull-off-pillars.csv"));
         }
-        // Where nothing is released there is no map.
+        // Without a detachment there is no map.
         for figure in [cycle_curve(self), release_map(self)].into_iter().flatten() {
             files.extend(saved(figure, provenance));
         }
@@ -107,10 +107,10 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.length("at rest without load", indentation, String::new());
     }
     turn_and_pull_off(&mut list, cycle);
-    stuck_floor(&mut list, cycle);
+    adhesive_floor(&mut list, cycle);
     match cycle.separation {
         Some(indentation) => list.length("last release", indentation, String::new()),
-        None => list.row("last release", "-".to_owned(), "", "something still holds"),
+        None => list.row("last release", "-".to_owned(), "", "still attached"),
     };
     let energy = |list: &mut QuantityList, name: &str, value: f64, error: CycleError, words| {
         list.row(name, significant(value, known(error)), "J", words);
@@ -135,7 +135,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
             "certificate",
             certificate_words(certificate),
             "",
-            "relative difference from what all events dissipate",
+            "relative difference from the dissipation of all events",
         );
     }
     list.limits(&cycle.limits(range));
@@ -152,7 +152,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
     list.text()
 }
 
-/// Adds where the loading ends, and the pull-off.
+/// Adds the end of the loading, and the pull-off.
 pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let errors = &cycle.errors;
     let turn = &cycle.turn;
@@ -168,7 +168,7 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
         Some(critical) if turn.indentation > critical.contact.indentation => {
             let state = &critical.contact;
             let how = if cycle.floor.is_some() {
-                "on the floor, which sticks"
+                "on the adhesive floor"
             } else {
                 "as if without floor"
             };
@@ -229,8 +229,8 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     }
 }
 
-/// What a floor that sticks does: the jump onto it, and where it is lost.
-fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
+/// Adds the jump onto an adhesive floor, and its detachment.
+fn adhesive_floor(list: &mut QuantityList, cycle: &Cycle) {
     let Some(resolution) = cycle.floor else {
         return;
     };
@@ -275,7 +275,7 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
             );
         }
         None => {
-            list.row("floor lost", "-".to_owned(), "", "it still sticks");
+            list.row("floor lost", "-".to_owned(), "", "still attached");
         }
     }
     list.row(
@@ -286,7 +286,7 @@ fn stuck_floor(list: &mut QuantityList, cycle: &Cycle) {
     );
 }
 
-/// What is smaller than any error that matters is rounding, and differs between machines.
+/// Values below any significant error are rounding errors, and differ between machines.
 fn certificate_words(certificate: f64) -> String {
     if certificate < 1e-9 {
         "< 1e-9".to_owned()
@@ -295,12 +295,12 @@ fn certificate_words(certificate: f64) -> String {
     }
 }
 
-/// Digits that the numerical error leaves.
+/// Significant digits for the numerical error.
 fn known(error: CycleError) -> usize {
     digits(error.numerical())
 }
 
-/// The numerical error, and that of the model apart.
+/// The numerical error, and separately the error of the model.
 fn remark(error: CycleError) -> String {
     let numerical = error_remark(error.numerical());
     let of_model = |error: f64, source: &str| match error {
@@ -314,7 +314,7 @@ fn remark(error: CycleError) -> String {
     alone(&(numerical + &fronts + &columns))
 }
 
-/// How often something happened on each branch.
+/// Number of events of one kind on each branch.
 struct Change {
     kind: CycleEventKind,
     loading: usize,

@@ -8,7 +8,7 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
 use crate::record::{FlatAnswer, Record};
 use crate::report::state::{
-    QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, strained_range,
+    QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, range_warnings,
 };
 use crate::result::{csv, json};
 use fakir::problem::{CyclePlan, Solver, UnloadingPoint};
@@ -21,7 +21,7 @@ use serde::Serialize;
 /// Number of rows of the table of pressures.
 const PRESSURES: usize = 129;
 
-/// Closest row to the rim, as a fraction of the radius: where there is adhesion the pressure at the rim is infinite.
+/// Distance of the row closest to the rim, as a fraction of the radius: with adhesion the pressure at the rim is infinite.
 const NEAREST_TO_RIM: f64 = 0.999;
 
 impl Kind for FlatCase {
@@ -209,7 +209,7 @@ impl Kind for FlatCase {
 struct PressureRow {
     /// Distance from the lens axis, m.
     radius_m: f64,
-    /// Contact pressure, Pa; negative where adhesion pulls.
+    /// Contact pressure, Pa; negative for tension.
     pressure_Pa: f64,
 }
 
@@ -345,7 +345,7 @@ impl Found<FlatCase> for FlatCycle {
         _: &Running<'_>,
     ) -> Result<Vec<String>, AnswerError> {
         let mut warnings = crate::result::warnings(&self.turn);
-        warnings.extend(strained_range(&self.limits(of)));
+        warnings.extend(range_warnings(&self.limits(of)));
         Ok(warnings)
     }
 

@@ -42,7 +42,11 @@ impl Kind for SurfaceCase {
 
     fn method(&self) -> String {
         let grid = self.system.surface().grid();
-        format!("Love elements, {} by {} cells", grid.columns(), grid.rows())
+        format!(
+            "boundary elements, {} by {} cells",
+            grid.columns(),
+            grid.rows()
+        )
     }
 
     fn topics(&self, _: Option<f64>) -> Vec<Topic> {
@@ -82,7 +86,7 @@ impl Kind for SurfaceCase {
         }
         if matches!(load, Load::FloorContact) && self.system.floor().is_none() {
             return Err(AnswerError::Refused(
-                "surface.floor is missing: a height map has no pillars that would tell which part \
+                "surface.floor is missing: a height map has no pillars that define which part \
                  of it is the floor; give the height at or below which it is",
             ));
         }
@@ -180,7 +184,7 @@ impl Kind for SurfaceCase {
             surface_pressure_map(&state),
             surface_gap_map(&state),
         ];
-        // Of a surface that is not touched, or touched everywhere, some do not exist.
+        // Some do not exist for a surface without contact, or in contact everywhere.
         for figure in figures.into_iter().flatten() {
             saved_files.files.extend(saved(figure, provenance));
         }
@@ -210,7 +214,7 @@ fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
     }
 }
 
-/// The digits of a number that its estimated error leaves, at most so many, and a remark about that error.
+/// The number of significant digits for an estimated error, up to a maximum, and a remark on the error.
 fn as_known(error: Option<f64>, most: usize) -> (usize, String) {
     match error {
         None => (AREA_DIGITS, "error not estimated: too few cells".to_owned()),

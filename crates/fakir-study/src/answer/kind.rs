@@ -1,4 +1,4 @@
-//! What answers about cases of one kind consist of. Each kind of surface has one file, which implements [`Kind`]; everything else is the same for all.
+//! The interface of answers for one kind of surface. Each kind has one file, which implements [`Kind`]; everything else is the same for all.
 
 use super::request::{AnswerError, Details, Request, Running};
 use crate::approach::{Loadable, unsupported};
@@ -15,7 +15,7 @@ pub(super) type ContactOf<K> = <<K as Kind>::Problem as Loadable>::Contact;
 
 /// A case of one kind of surface.
 pub(super) trait Kind: Clone + 'static {
-    /// What is solved.
+    /// The system.
     type Problem: Loadable;
 
     fn problem(&self) -> &Self::Problem;
@@ -25,24 +25,24 @@ pub(super) trait Kind: Clone + 'static {
     /// `"lens"` or `"plate"`.
     fn indenter(&self) -> &'static str;
 
-    /// The case and the method, a line each, as reports begin.
+    /// Description of the case and of the method, one line each, for the beginning of reports.
     fn lines(&self) -> [String; 2];
 
-    /// The method in words, for the provenance.
+    /// Description of the method, for the provenance.
     fn method(&self) -> String;
 
-    /// The method in words, for what is to be cited.
+    /// Description of the method, for the list of references.
     fn cited_as(&self) -> String {
         self.method()
     }
 
-    /// What is to be cited.
+    /// Topics to cite.
     fn topics(&self, range: Option<f64>) -> Vec<Topic>;
 
     /// The case as a case file.
     fn text(&self) -> String;
 
-    /// Refuses requests that do not go with the case, before a long computation.
+    /// Refuses requests that the case does not support, before a long computation.
     fn check(&self, request: &Request, details: &Details, run: &Run<'_>)
     -> Result<(), AnswerError>;
 
@@ -62,21 +62,21 @@ pub(super) trait Kind: Clone + 'static {
 
     fn record(&self, found: &Reached<ContactOf<Self>>) -> Record;
 
-    /// How near a contact comes to where the model ends; none if the kind has no such limits.
+    /// Validity limits of a contact; none if the kind has no such limits.
     fn limits(&self, contact: &ContactOf<Self>, range: Option<f64>) -> Option<Vec<Limit>>;
 
-    /// The effects that are not computed, in words, if there are any.
+    /// Description of the effects that are not computed, if any.
     fn left_out(&self, _: &ContactOf<Self>) -> Option<&'static str> {
         None
     }
 
-    /// What the indenter meets first, in words.
+    /// Description of what the indenter meets first.
     fn meets(&self, regime: Regime) -> String;
 
-    /// The quantities of a report, but for the limits of the model and the solution.
+    /// The quantities of a report, except the limits of the model and the solution.
     fn quantities(&self, found: &Reached<ContactOf<Self>>) -> QuantityList;
 
-    /// How the contact was solved: the last row of a report.
+    /// Description of the solution: the last row of a report.
     fn solution(&self, list: &mut QuantityList, contact: &ContactOf<Self>, wall_time: f64);
 
     /// Warnings that need a further computation.
@@ -88,7 +88,7 @@ pub(super) trait Kind: Clone + 'static {
         Ok(Vec::new())
     }
 
-    /// Tables, maps of so many points across, and figures of a contact.
+    /// Tables, maps with a number of points across, and figures of a contact.
     fn files(
         &self,
         found: &Reached<ContactOf<Self>>,
@@ -128,7 +128,7 @@ pub(super) struct Saved {
     pub(super) warnings: Vec<String>,
 }
 
-/// What was asked about, and how.
+/// The case, and the options of the output.
 pub(super) struct Context<'a, K> {
     pub(super) case: &'a K,
     pub(super) details: &'a Details,
@@ -136,18 +136,18 @@ pub(super) struct Context<'a, K> {
     pub(super) wall_time: f64,
 }
 
-/// The answer to one question, in every form in which it is wanted.
+/// The answer to one question, in every output form.
 pub(super) trait Found<K: Kind> {
-    /// The question in words.
+    /// Description of the question.
     fn question(&self) -> String;
 
-    /// The numbers; of a loading one record for every state.
+    /// The numbers: one record, or one for every state of a loading.
     fn records(&self, case: &K) -> Vec<Record>;
 
-    /// Whether the numbers are to be relied on.
+    /// Whether the numbers are reliable.
     fn is_answer(&self) -> bool;
 
-    /// Why not.
+    /// The reason if not.
     fn problem(&self) -> Option<String>;
 
     fn json(&self, of: &Context<'_, K>) -> String;

@@ -14,7 +14,7 @@ use fakir::state::{Contact, Limit};
 use fakir_case::unit::Dimension;
 use fakir_figure::LoadingPoint;
 
-/// Digits shown of what changes by whole cells, and has no error estimate on too few of them.
+/// Digits shown of quantities that change by whole cells, and have no error estimate on too few cells.
 const CELL_DIGITS: usize = 4;
 
 /// A loading.
@@ -48,7 +48,7 @@ impl<K: Kind> Found<K> for Loaded<K> {
     }
 
     fn problem(&self) -> Option<String> {
-        (!self.found.converged).then(|| "a state of the loading is no answer".to_owned())
+        (!self.found.converged).then(|| "a state of the loading did not converge".to_owned())
     }
 
     fn json(&self, of: &Context<'_, K>) -> String {
@@ -79,7 +79,7 @@ impl<K: Kind> Found<K> for Loaded<K> {
         Ok(self.found.warnings.clone())
     }
 
-    /// The table, and a figure; none of a single state.
+    /// The table, and a figure if there are several states.
     fn files(
         &self,
         _: &K,
@@ -123,7 +123,7 @@ fn point(row: &Record) -> LoadingPoint {
     }
 }
 
-/// The columns that some of the states have.
+/// Columns with a value for some of the states.
 fn columns(rows: &[Record]) -> Vec<Column<Record>> {
     let some = |name: &str| rows.iter().any(|row| row.number(name).is_some());
     let counted = |name: &str| rows.iter().any(|row| row.count(name).is_some());
@@ -168,7 +168,7 @@ fn columns(rows: &[Record]) -> Vec<Column<Record>> {
                 row.number("contact_area_error_estimate"),
             ) {
                 (Some(error), _) => radius_digits(error),
-                // Cells without an estimate, or rounded tops, whose radius is as well known as their area.
+                // Cells without an estimate, or rounded tops, whose radius is as accurate as their area.
                 (None, error) => radius_digits(error.unwrap_or(f64::NAN)),
             },
         ));

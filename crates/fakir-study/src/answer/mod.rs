@@ -32,7 +32,7 @@ use crate::citations::Topic;
 use crate::provenance::Provenance;
 use crate::record::Record;
 use crate::report::Report;
-use crate::report::state::strained_words;
+use crate::report::state::exceeded_limits;
 use crate::surfaces::on_wide_enough_a_grid;
 use fakir::state::Run;
 use fakir_case::{AnyCase, CaseError};
@@ -44,19 +44,19 @@ use std::time::Instant;
 pub struct Answer<'a>(Box<dyn Answered + 'a>);
 
 impl Answer<'_> {
-    /// The numbers; of a loading one record for every state.
+    /// The numbers: one record, or one for every state of a loading.
     #[must_use]
     pub fn records(&self) -> Vec<Record> {
         self.0.records()
     }
 
-    /// Why the numbers are no answer; none if they are one.
+    /// The reason why the numbers are not reliable; `None` if they are.
     #[must_use]
     pub fn problem(&self) -> Option<String> {
         self.0.problem()
     }
 
-    /// All that a command prints and saves.
+    /// The complete output of a command, printed and saved.
     ///
     /// # Errors
     /// [`AnswerError`] of a computation for a warning or a map, also where it is interrupted.
@@ -133,7 +133,7 @@ pub fn described(case: &AnyCase) -> Result<Described, CaseError> {
     })
 }
 
-/// What a contact of a case takes, very roughly, in a unit that depends on the kind of surface; a general surface has so many cells.
+/// A rough estimate of the cost of a contact, in a unit that depends on the kind of surface; for a general surface, the number of cells.
 pub(crate) fn cost(case: &AnyCase, cells: usize) -> f64 {
     match case {
         AnyCase::Pillars(case) => pillars::cost(&case.system, case.method),
@@ -179,7 +179,7 @@ struct Solved<'a, K: Kind> {
     case: Cow<'a, K>,
     found: Box<dyn Found<K>>,
     details: Details,
-    /// A sentence that says so, if the grid is wider than that of the case.
+    /// A message if the grid is wider than that of the case.
     widened: Option<String>,
     /// s.
     wall_time: f64,
@@ -230,7 +230,7 @@ impl<K: Kind> Answered for Solved<'_, K> {
             tables: saved.files,
             warnings,
             converged: found.is_answer(),
-            strained: strained_words(&found.limits(&of)),
+            exceeded: exceeded_limits(&found.limits(&of)),
         })
     }
 }

@@ -58,8 +58,8 @@ impl Kind for Case {
     ) -> Result<(), AnswerError> {
         match request {
             Request::Cycle(_) if self.system.adhesion().is_none() => Err(AnswerError::Refused(
-                "a cycle needs pillar tops that stick: give adhesion.work in the case file, or --set \
-                 adhesion.work=50mJ/m2; without adhesion the lens is withdrawn the way it came",
+                "a cycle needs adhesive pillar tops: give adhesion.work in the case file, or --set \
+                 adhesion.work=50mJ/m2; without adhesion, unloading follows the curve of loading",
             )),
             Request::Contact(_) => match details.maps {
                 Maps::Points(Some(points)) => Ok(FieldMap::check_memory([points; 2], run)?),
@@ -167,7 +167,7 @@ impl Kind for Case {
             match figure {
                 Ok(figure) => files.extend(saved(figure, provenance)),
                 Err(FigureError::Solve(error)) => return Err(error.into()),
-                // Of this state or by this method there is no such figure.
+                // There is no such figure for this state or method.
                 Err(_) => {}
             }
         }
@@ -178,7 +178,7 @@ impl Kind for Case {
     }
 }
 
-/// The warning past the transition where the floor is ignored, with the load that should not have been exceeded.
+/// The warning past the transition if the floor is ignored, with the critical load.
 fn beyond(case: &Case, run: &Run<'_>) -> Result<String, AnswerError> {
     let critical = match fakir::transition(&case.system, case.method, run) {
         Ok(critical) => critical_load(&critical),
@@ -187,7 +187,7 @@ fn beyond(case: &Case, run: &Run<'_>) -> Result<String, AnswerError> {
     };
     let advice = match (case.system.floor_model(), case.method) {
         (FloorModel::Contact, Method::Love(_) | Method::Punch(_) | Method::Homogenised) => {
-            ": only the method spectral knows what it bears"
+            ": only the method spectral computes its load"
         }
         _ => "",
     };
@@ -205,7 +205,7 @@ fn critical_load(critical: &CriticalState) -> String {
     )
 }
 
-/// The contact radius, with the digits that its error leaves.
+/// The contact radius, rounded to its estimated error.
 fn add_radius(list: &mut QuantityList, radius: f64, error: f64, reduced: &Normalized) {
     let remark = significant(reduced.contact_radius, radius_digits(error));
     list.radius("contact radius", radius, error, format!("a/e = {remark}"));
@@ -264,7 +264,7 @@ fn of_critical_state(critical: &CriticalState) -> QuantityList {
     list
 }
 
-/// Position of the floor contact; of the symmetric copies the one that is reported.
+/// Position of the floor contact; one of the symmetric copies.
 fn place(critical: &CriticalState) -> String {
     let rounding = 1e-9 * critical.floor_contact_distance();
     let [x, y] = critical.floor_contact.map(|value| {
@@ -274,9 +274,9 @@ fn place(critical: &CriticalState) -> String {
     format!("at x = {x}, y = {y}")
 }
 
-/// What the critical state of a case takes, very roughly: the number of pillars touched and what
-/// any case takes, in pillars. The contact radius is the paper's for large contacts,
-/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most. Where tops stick every pillar is followed
+/// A rough estimate of the cost of the critical state of a case, in pillars: the number of pillars touched, and a constant for
+/// every case. The contact radius is the paper's for large contacts,
+/// `e sqrt(1 + (k phi)^2)`, with `k = 4 R h/d^2`, but half the lens radius at most. With adhesive tops every pillar is followed
 /// through its own events.
 pub(super) fn cost(system: &System, method: Method) -> f64 {
     const OVERHEAD: f64 = 20.0;
@@ -284,7 +284,7 @@ pub(super) fn cost(system: &System, method: Method) -> f64 {
     let pillar = system.pillar();
     let lens = system.lens().widest();
     if lens.is_infinite() {
-        // A plate, which touches all pillars there are.
+        // A plate, which touches all pillars.
         return OVERHEAD + SOME_PILLARS;
     }
     let growth = 4.0 * lens * pillar.height / pillar.diameter.powi(2);

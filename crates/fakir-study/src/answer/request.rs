@@ -1,4 +1,4 @@
-//! What can be asked of a case, what is wanted besides the numbers, and why there is no answer.
+//! Questions on a case, options of the output, and errors.
 
 use crate::approach::{ApproachError, LoadingPath};
 use fakir::problem::{CyclePlan, Load};
@@ -16,28 +16,28 @@ pub enum Request {
     Cycle(CyclePlan),
 }
 
-/// What is wanted besides the numbers.
+/// Options of the output in addition to the numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Details {
-    /// Range of the attraction, m, where it is known.
+    /// Range of the attraction, m, if it is given.
     pub range: Option<f64>,
-    /// Whether the exact derivatives of a contact are wanted.
+    /// Whether the exact derivatives of a contact are computed.
     pub gradient: bool,
     /// Files of the answer.
     pub maps: Maps,
 }
 
-/// Which tables, maps and figures are wanted.
+/// Selection of tables, maps and figures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Maps {
     /// None.
     #[default]
     None,
-    /// All, with maps of so many points across, or as many as suit the pillars.
+    /// All, with maps of this number of points across, or a number that suits the pillars.
     Points(Option<usize>),
 }
 
-/// How a question is answered: the options of the solver, and a function that is called with the name of each part of the computation.
+/// Execution of a request: the options of the solver, and a function that is called with the name of each part of the computation.
 pub struct Running<'a> {
     /// Memory, threads, progress and cancellation.
     pub run: Run<'a>,
@@ -45,7 +45,7 @@ pub struct Running<'a> {
     pub next: &'a dyn Fn(&str),
 }
 
-/// Why a question has no answer.
+/// Errors of a request.
 #[derive(Debug, Clone, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnswerError {
@@ -58,13 +58,13 @@ pub enum AnswerError {
     /// A loading that cannot be computed.
     #[error(transparent)]
     Loading(ApproachError),
-    /// A request that does not go with the case.
+    /// A request that the case does not support.
     #[error("{0}")]
     Refused(&'static str),
 }
 
 impl AnswerError {
-    /// The width that a grid needs which is too narrow for the contact, m.
+    /// The sufficient width of a grid that is too narrow for the contact, m.
     pub(crate) fn needed_width(&self) -> Option<f64> {
         match self {
             Self::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),

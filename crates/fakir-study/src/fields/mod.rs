@@ -72,7 +72,7 @@ mod tests {
 
     /// Beside a single pillar the floor carries most of the load, and extends farther out than the pillar.
     #[test]
-    fn the_map_holds_the_whole_contact() {
+    fn the_map_contains_the_whole_contact() {
         let mut case = Case::example();
         let array = PlaneLattice {
             columns: Some(1),
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn every_value_is_finite_and_points_are_as_many_as_asked_for() {
+    fn every_value_is_finite_and_points_have_the_requested_number() {
         for (force, points) in [(0.0, Some(2)), (2e-5, Some(100)), (2e-5, None)] {
             let map = pressed(force, points);
             assert_eq!(map.x, map.y);

@@ -98,14 +98,14 @@ fn header(
 fn about(map: &FieldMap, provenance: &Provenance) -> Attributes {
     let mut about = vec![text("Conventions", "CF-1.8")];
     let pairs = provenance.attributes().into_iter();
-    about.extend(pairs.map(|(name, said)| text(name, &said)));
+    about.extend(pairs.map(|(name, content)| text(name, &content)));
     about.push(("force_N", Attribute::Number(map.force)));
     about.push(("indentation_m", Attribute::Number(map.indentation)));
     about
 }
 
-fn text(name: &'static str, said: &str) -> (&'static str, Attribute) {
-    (name, Attribute::Text(said.to_owned()))
+fn text(name: &'static str, content: &str) -> (&'static str, Attribute) {
+    (name, Attribute::Text(content.to_owned()))
 }
 
 /// The coordinates, then the fields.
@@ -173,9 +173,9 @@ fn put_attributes(header: &mut Vec<u8>, attributes: &Attributes) {
     for (name, attribute) in attributes {
         put_text(header, name);
         match attribute {
-            Attribute::Text(said) => {
+            Attribute::Text(content) => {
                 put(header, Kind::Text as usize);
-                put_text(header, said);
+                put_text(header, content);
             }
             Attribute::Number(number) => {
                 put(header, Kind::Double as usize);

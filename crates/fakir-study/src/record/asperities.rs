@@ -8,7 +8,7 @@ use fakir::problem::AsperityArray;
 use fakir::state::{AsperityContact, AsperityErrors, AsperityState, PillarStatus};
 use fakir_case::AsperityCase;
 
-/// A contact with rounded tops, and what was asked about.
+/// A contact with rounded tops, and its case.
 #[derive(Debug, Clone, Copy)]
 pub struct AsperityAnswer<'a> {
     /// The pillars.
@@ -19,7 +19,7 @@ pub struct AsperityAnswer<'a> {
     pub contact: &'a AsperityContact,
 }
 
-/// What contacts with rounded tops leave out.
+/// Effects that are neglected in contacts with rounded tops.
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 
 impl<'a> AsperityAnswer<'a> {
@@ -33,7 +33,7 @@ impl<'a> AsperityAnswer<'a> {
         }
     }
 
-    /// Whether the floor, this far under the level that indentations count from, is certainly not reached: pressure only moves it away.
+    /// Whether the floor, at this depth below the level of zero indentation, is certainly not reached: pressure only moves it away.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
         self.contact.indentation < self.height
     }
@@ -43,7 +43,7 @@ pub(super) fn largest(contact: &AsperityContact, of: impl Fn(&AsperityState) -> 
     contact.asperities.iter().map(of).fold(0.0, f64::max)
 }
 
-/// What is known of the contact alone.
+/// Numbers that depend on the contact only.
 fn contact() -> Vec<Named<AsperityContact>> {
     let [force, indentation, radius] = load();
     vec![

@@ -22,7 +22,7 @@ pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
     ]
 }
 
-/// The same of any critical state, and what is met first.
+/// The same for any critical state, and what is met first.
 pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     [
         Named::word(
@@ -55,7 +55,7 @@ pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     ]
 }
 
-/// Numbers of every answer. To give all contacts, critical states, cycles and states of loadings one more number is to add a row here.
+/// Numbers of every answer: a row added here is part of all contacts, critical states, cycles and states of loadings.
 pub(super) fn common<T: Solution + 'static>() -> Vec<Named<T>> {
     vec![
         Named::flag("converged", "whether the solver converged", T::converged).in_objects(),
@@ -81,7 +81,7 @@ pub(super) fn common_of_states<T: Solution + 'static>() -> Vec<Named<T>> {
     rows
 }
 
-/// A number of what the floor bears: zero before it is touched, none past that if it was to be ignored.
+/// A number of the floor contact: zero before the floor is touched, none past the transition if the floor is ignored.
 #[must_use]
 pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
     match &state.floor {
@@ -90,7 +90,7 @@ pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> 
     }
 }
 
-/// What contacts and critical states have of the pillars.
+/// Numbers of the pillars in contacts and critical states.
 fn pillars() -> [Named<ContactState>; 3] {
     [
         Named::number(
@@ -111,7 +111,7 @@ fn pillars() -> [Named<ContactState>; 3] {
     ]
 }
 
-/// How contacts and critical states were solved.
+/// Numbers of the solution of contacts and critical states.
 fn solution() -> [Named<ContactState>; 2] {
     [
         Named::word(
@@ -149,7 +149,7 @@ fn iterations() -> Named<ContactState> {
     })
 }
 
-/// What the floor bears. A table has zeros before the transition, where the object has no floor.
+/// Numbers of the floor contact. A table has zeros before the transition, where the object has no floor.
 fn floor() -> Vec<Named<ContactState>> {
     vec![
         Named::number_if_any(
@@ -206,12 +206,12 @@ fn floor() -> Vec<Named<ContactState>> {
     ]
 }
 
-/// Errors of what the floor bears.
+/// Errors of the floor contact.
 fn floor_errors() -> [Named<ContactState>; 2] {
     [
         Named::number_if_any(
             "floor.relative_error_estimate.share",
-            "estimated relative error of the share",
+            "estimated relative error of the fraction carried by the floor",
             |it: &ContactState| of_floor(it, |floor| floor.error.share),
         ),
         Named::number_if_any(

@@ -6,7 +6,7 @@ use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;
 
-/// The errors of one figure, which a cycle may not have.
+/// The errors of one result, which a cycle may not have.
 macro_rules! errors {
     ($figure:literal, $of:expr) => {{
         let of: fn(&Cycle) -> Option<CycleError> = $of;
@@ -70,7 +70,7 @@ fn kendall(cycle: &Cycle) -> f64 {
     )
 }
 
-/// What it takes to part the largest area of tops that was in contact, J.
+/// Work of separation of the largest area of tops that was in contact, J.
 fn parting(cycle: &Cycle) -> f64 {
     let areas = cycle.stations.iter().map(|station| station.contact_area);
     cycle.system.adhesion().receding() * areas.fold(0.0, f64::max)
@@ -234,8 +234,8 @@ fn unloading() -> Vec<Named<Cycle>> {
     ]
 }
 
-/// Of a floor that sticks, in tables: the object `floor` says more.
-fn stuck_floor() -> [Named<Cycle>; 10] {
+/// Columns for an adhesive floor in tables; the object `floor` contains more numbers.
+fn adhesive_floor() -> [Named<Cycle>; 10] {
     [
         Named::flag(
             "floor_is_coarse",
@@ -336,7 +336,7 @@ impl Recorded for Cycle {
         ];
         rows.extend(loading());
         rows.extend(unloading());
-        rows.extend(stuck_floor());
+        rows.extend(adhesive_floor());
         rows.push(Named::number(
             "kendall_strain",
             "tensile stress on a pillar at its detachment over the modulus of the substrate",

@@ -6,7 +6,7 @@ use super::named::{Kind, Named, Recorded};
 use fakir::problem::FlatSystem;
 use fakir::state::{FlatContact, FlatCycle};
 
-/// A contact with a flat surface, and what was asked about.
+/// A contact with a flat surface, and its case.
 #[derive(Debug, Clone, Copy)]
 pub struct FlatAnswer<'a> {
     /// The bodies.

@@ -10,7 +10,7 @@ use fakir_case::{Study, SurfaceKind};
 use std::sync::LazyLock;
 
 impl Kind {
-    /// Which numbers a study asks for; none of a collapse.
+    /// The kind of numbers of a study; none for a collapse.
     pub(crate) fn of(study: &Study) -> Option<Self> {
         use SurfaceKind::{Asperities, Flat, HeightMap, Pillars};
         match (study.asked(), study.surface_kind()) {

@@ -25,7 +25,7 @@ pub struct Place {
 }
 
 impl<A> LoadingState<A> {
-    /// The same state with what was asked about.
+    /// The same state with its case.
     pub(crate) fn of<B>(&self, answer: B) -> LoadingState<B> {
         let place = self.place;
         LoadingState { answer, place }
@@ -115,7 +115,7 @@ impl Recorded for LoadingState<&ContactState> {
                 ),
                 floor_error(
                     "floor_share_error_estimate",
-                    "estimated relative error of the share of the floor",
+                    "estimated relative error of the fraction of the load carried by the floor",
                     |it| it.error.share,
                 ),
                 floor_error(

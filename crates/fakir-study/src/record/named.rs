@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-/// The version of names and places of numbers in results; it rises when one of them changes or goes, not when some are added.
+/// The version of names and places of numbers in results; it increases if one of them is changed or removed, not if some are added.
 pub const SCHEMA_VERSION: u32 = 3;
 
 /// What kind of value a row has.

@@ -6,7 +6,7 @@ use super::object::Object;
 use fakir::problem::{Boundary, Grid, Indenter, SurfaceSystem};
 use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
 
-/// An answer about a height map, and what was asked about.
+/// An answer about a height map, and its case.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfaceAnswer<'a, T> {
     /// What was solved.
@@ -57,7 +57,7 @@ fn surface() -> [Named<SurfaceSystem>; 2] {
     ]
 }
 
-/// What was asked about, and on which cells.
+/// The case and its cells.
 fn question<'a, T: 'static>(grid: fn(&T) -> &Grid) -> Vec<Named<SurfaceAnswer<'a, T>>> {
     let of_grid = |rows: Vec<Named<Grid>>| {
         rows.into_iter()
@@ -127,7 +127,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
         .in_objects(),
         Named::number(
             "certificate.gap_under_pressure_m",
-            "largest gap of a cell that bears pressure",
+            "largest gap of a cell that carries pressure",
             |it: &SurfaceContact| it.certificate.gap_under_pressure,
         )
         .in_objects(),

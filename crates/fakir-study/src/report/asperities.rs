@@ -6,7 +6,7 @@ use fakir::problem::{Accuracy, Asperity, Indenter, Method};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
 
-/// The case in a line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
+/// Description of the case in one line: `64 rounded pillar tops, radius of curvature 526.0 um, under a plate`.
 pub fn case_line(case: &AsperityCase) -> String {
     let asperities = case.field.asperities();
     let radius = asperities
@@ -26,7 +26,7 @@ pub fn case_line(case: &AsperityCase) -> String {
     )
 }
 
-/// The method in words.
+/// Description of the method.
 pub fn method_line(accuracy: Accuracy) -> String {
     method_words(Method::Spectral(accuracy))
 }

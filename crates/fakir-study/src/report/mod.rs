@@ -1,4 +1,4 @@
-//! What a command prints and saves, and the parts of its texts.
+//! Output of commands, printed and saved, and the parts of its texts.
 
 pub mod asperities;
 pub mod state;
@@ -14,23 +14,23 @@ use crate::result::with_case_warnings;
 pub struct Report {
     /// One JSON object.
     pub json: String,
-    /// Tables for a person.
+    /// Tables as text.
     pub text: String,
-    /// What was asked, and how it was answered.
+    /// The question, the method and the version.
     pub provenance: Provenance,
     /// Tables and fields for other programs, and figures.
     pub tables: Vec<File>,
-    /// What to be careful about.
+    /// Warnings.
     pub warnings: Vec<String>,
-    /// Whether the numbers are to be relied on: every solution converged, its numbers are resolved, and where two methods
-    /// check each other they agree.
+    /// Whether the numbers are reliable: every solution converged, its numbers are resolved, and in a verification both methods
+    /// agree.
     pub converged: bool,
-    /// Limits of the model that it strains.
-    pub strained: Vec<String>,
+    /// Descriptions of the validity limits that are exceeded.
+    pub exceeded: Vec<String>,
 }
 
 impl Report {
-    /// The same with warnings about the case as it is written: before its own, and in the JSON object.
+    /// The same with warnings about the case file: before its own warnings, and in the JSON object.
     #[must_use]
     pub fn with_case_warnings(mut self, warnings: Vec<String>) -> Self {
         if !warnings.is_empty() {
@@ -40,14 +40,13 @@ impl Report {
         self
     }
 
-    /// The exit status that goes with it: 1 unless it converged.
+    /// The exit status: 1 unless it converged.
     #[must_use]
     pub fn status(&self) -> u8 {
         u8::from(!self.converged)
     }
 
-    /// The files to save: the summary, the tables, the case as a case file, and where all this is
-    /// from.
+    /// The files to save: the summary, the tables, the case as a case file, and the provenance.
     #[must_use]
     pub fn files(&self, command: &str) -> Vec<File> {
         let Provenance {
@@ -78,7 +77,7 @@ mod tests {
             tables: Vec::new(),
             warnings: Vec::new(),
             converged,
-            strained: Vec::new(),
+            exceeded: Vec::new(),
         };
         assert_eq!(report(true).status(), 0);
         assert_eq!(report(false).status(), 1);

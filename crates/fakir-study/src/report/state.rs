@@ -15,7 +15,7 @@ use std::fmt::Write;
 /// Largest number of digits of contact radii.
 const RADIUS_DIGITS: usize = 5;
 
-/// Digits of a contact radius with this relative error that mean something.
+/// Significant digits of a contact radius with this relative error.
 pub fn radius_digits(relative_error: f64) -> usize {
     digits(relative_error).min(RADIUS_DIGITS)
 }
@@ -31,7 +31,7 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
     }
 }
 
-/// The pattern in a line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
+/// Description of the pattern in one line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub fn pillar_pattern_line(system: &System) -> String {
     let fraction = plain(system.pattern().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
@@ -157,7 +157,7 @@ fn plain(value: f64) -> String {
     rounded.to_string()
 }
 
-/// A work of adhesion in words.
+/// Description of a work of adhesion.
 pub(crate) fn adhesion_words(adhesion: Adhesion) -> String {
     let words = |work| format_quantity(work, Dimension::EnergyPerArea);
     let receding = adhesion
@@ -175,7 +175,7 @@ pub(crate) fn adhesion_words(adhesion: Adhesion) -> String {
     )
 }
 
-/// What is held during a cycle, in words.
+/// Description of the quantity that is prescribed during a cycle.
 pub(crate) fn drive_words(drive: LoadingMode) -> String {
     match drive {
         LoadingMode::Displacement => "under a prescribed indentation".to_owned(),
@@ -187,7 +187,7 @@ pub(crate) fn drive_words(drive: LoadingMode) -> String {
     }
 }
 
-/// The lens or punch on a flat surface, and its layers, in words.
+/// Description of the lens or punch on a flat surface, and of its layers.
 pub(crate) fn lens_words(system: &FlatSystem) -> String {
     let length = |value| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut words = match system.probe() {
@@ -206,7 +206,7 @@ pub(crate) fn lens_words(system: &FlatSystem) -> String {
     words
 }
 
-/// What a row of a loading is.
+/// Kind of a row of a loading.
 pub(crate) fn loading_remark(converged: bool, critical: bool, beyond: bool) -> &'static str {
     match (converged, critical, beyond) {
         (false, ..) => "no answer",
@@ -225,7 +225,7 @@ pub(crate) fn further_on(indentation: f64, force: f64) -> String {
     )
 }
 
-/// A difference of two answers in words. Nothing for what was prescribed.
+/// Description of the difference of two answers; empty for the prescribed quantity.
 pub fn difference(name: &str, difference: Difference) -> String {
     if difference.allowed == 0.0 {
         return String::new();
@@ -238,14 +238,14 @@ pub fn difference(name: &str, difference: Difference) -> String {
 }
 
 /// Warnings if the range of the attraction is too large for the short-range assumption.
-pub(crate) fn strained_range(limits: &[Limit]) -> Vec<String> {
-    let strained = limits.iter().filter(|limit| limit.strained);
-    strained
+pub(crate) fn range_warnings(limits: &[Limit]) -> Vec<String> {
+    let exceeded = limits.iter().filter(|limit| limit.strained);
+    exceeded
         .filter(|limit| limit.name == RANGE)
         .filter_map(|limit| {
             Some(format!(
-                "the range of the attraction does not count as small (Tabor number {} below {}): pull-off is then \
-                 less sharp than the model (the JKR limit) has it",
+                "the range of the attraction is too large for the model, the JKR limit (Tabor number {} below {}): \
+                 pull-off is more gradual than computed",
                 significant(limit.value, 2),
                 limit.threshold?
             ))
@@ -285,10 +285,10 @@ fn limit_value(limit: &Limit, digits: usize) -> String {
     shown.unwrap_or_else(|| significant(limit.value, digits))
 }
 
-/// What is to be told of limits that are strained where that is not to be.
-pub fn strained_words(limits: &[Limit]) -> Vec<String> {
-    let strained = limits.iter().filter(|limit| limit.strained);
-    let words = strained.filter_map(|limit| {
+/// Descriptions of the limits that are exceeded.
+pub fn exceeded_limits(limits: &[Limit]) -> Vec<String> {
+    let exceeded = limits.iter().filter(|limit| limit.strained);
+    let words = exceeded.filter_map(|limit| {
         Some(format!(
             "{}: {}, where the model is doubtful {}",
             limit_words(limit.name),
@@ -342,7 +342,7 @@ impl QuantityList {
         self.quantity(name, value, Dimension::Length, radius_digits(error), remark)
     }
 
-    /// A length that is known well enough.
+    /// A length without an error estimate.
     pub fn length(&mut self, name: &str, value: f64, remark: String) -> &mut Self {
         self.quantity(name, value, Dimension::Length, LENGTH_DIGITS, remark)
     }
@@ -384,7 +384,7 @@ impl QuantityList {
         )
     }
 
-    /// What the floor bears, if it is touched.
+    /// The load of the floor, if it is touched.
     pub fn floor(&mut self, state: &ContactState) -> &mut Self {
         let Some(floor) = &state.floor else {
             return self;
@@ -406,7 +406,7 @@ impl QuantityList {
             remark(share),
         )
         .row(
-            "share of the floor",
+            "fraction on the floor",
             significant(floor.share, known(share)),
             "",
             "",
@@ -429,7 +429,7 @@ impl QuantityList {
         self
     }
 
-    /// How near a contact with adhesion comes to where the model is doubtful.
+    /// Validity limits of a contact with adhesion.
     pub fn limits(&mut self, limits: &[Limit]) -> &mut Self {
         for limit in limits {
             let name = limit_words(limit.name);
@@ -438,10 +438,10 @@ impl QuantityList {
             };
             let remark = match (limit.name, limit.strained) {
                 (RANGE, false) => {
-                    format!("above {threshold}: the range counts as small (JKR limit)")
+                    format!("above {threshold}: the range is small enough (JKR limit)")
                 }
                 (RANGE, true) => {
-                    format!("below {threshold}: the range does not count as small (JKR limit)")
+                    format!("below {threshold}: the range is too large (JKR limit)")
                 }
                 // Limits with a lower threshold.
                 (_, true) if limit.value < threshold => {
@@ -457,7 +457,7 @@ impl QuantityList {
         self
     }
 
-    /// Whether a contact is where the model holds: the limit that it comes nearest to, or those that are strained.
+    /// Whether a contact is within the limits of the model: the closest limit, or those that are exceeded.
     pub fn model(&mut self, limits: &[Limit]) -> &mut Self {
         if let Some(error) = limits.iter().find(|limit| limit.name == ELASTIC_ERROR) {
             let remark = "of the model, the largest found beside finite elements";
@@ -468,12 +468,12 @@ impl QuantityList {
                 remark,
             );
         }
-        let strained: Vec<Limit> = limits.iter().filter(|l| l.strained).copied().collect();
-        if !strained.is_empty() {
+        let exceeded: Vec<Limit> = limits.iter().filter(|l| l.strained).copied().collect();
+        if !exceeded.is_empty() {
             let of = limits.iter().filter(|l| l.threshold.is_some()).count();
-            let count = format!("{} of {of}", strained.len());
-            self.row("limits of the model", count, "", "strained:");
-            return self.limits(&strained);
+            let count = format!("{} of {of}", exceeded.len());
+            self.row("limits of the model", count, "", "exceeded:");
+            return self.limits(&exceeded);
         }
         let with_nearness = limits.iter().filter_map(|l| Some((l, l.nearness()?)));
         let nearest = with_nearness.max_by(|(_, one), (_, other)| one.total_cmp(other));
@@ -494,7 +494,7 @@ impl QuantityList {
         self
     }
 
-    /// Of these limits the one that the range of the attraction sets, where it is known.
+    /// The limit that depends on the range of the attraction, if the range is given.
     pub fn range(&mut self, limits: &[Limit]) -> &mut Self {
         let of_range = limits.iter().filter(|limit| limit.name == RANGE);
         self.limits(&of_range.copied().collect::<Vec<Limit>>())
@@ -512,7 +512,7 @@ impl QuantityList {
         )
     }
 
-    /// How many pillars are touched.
+    /// Number of pillars in contact.
     pub fn pillars(&mut self, state: &ContactState) -> &mut Self {
         let remark = match state.method {
             Method::Homogenised => "by lattice cells in the contact circle".to_owned(),
@@ -536,7 +536,7 @@ impl QuantityList {
         self
     }
 
-    /// Adds the number of steps, whether they converged, and the time that they took.
+    /// Adds the number of steps, the convergence status and the computing time.
     pub fn solution(&mut self, state: &ContactState, wall_time: f64) -> &mut Self {
         let outcome = match state.method {
             Method::Homogenised | Method::Love(_) => "iterations",
@@ -579,7 +579,7 @@ pub fn error_remark(error: f64) -> String {
     }
 }
 
-/// The end of a remark as a whole remark: without the comma that joins it.
+/// The end of a remark as a separate remark, without the leading comma.
 pub(crate) fn alone(remark: &str) -> String {
     remark.trim_start_matches([',', ' ']).to_owned()
 }

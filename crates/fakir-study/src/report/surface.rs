@@ -6,7 +6,7 @@ use fakir::problem::{Arrangement, Boundary};
 use fakir_case::unit::Dimension;
 use fakir_case::{SurfaceCase, SurfaceOrigin};
 
-/// The surface and how it is solved, a line each.
+/// Description of the surface and of the method, one line each.
 #[must_use]
 pub fn description(case: &SurfaceCase) -> [String; 2] {
     let surface = match &case.origin {
@@ -35,7 +35,7 @@ pub fn description(case: &SurfaceCase) -> [String; 2] {
     [surface, cells]
 }
 
-/// A pattern in a line: `square pillars on a square lattice, surface fraction 0.2`.
+/// Description of a pattern in one line: `square pillars on a square lattice, surface fraction 0.2`.
 fn pattern_line(pattern: &Pattern) -> String {
     let outline = match pattern.pillar.cross_section {
         CrossSection::Circle { .. } => "round".to_owned(),

@@ -12,8 +12,8 @@ pub struct Column<T> {
 }
 
 impl<T: 'static> Column<T> {
-    /// A physical quantity; the whole column is in the unit that suits its largest value, which
-    /// stands in the heading. What is missing is a dash.
+    /// A physical quantity. All values are in the unit that suits the largest one; the heading contains it. Missing
+    /// values are a dash.
     pub fn quantity(
         name: &str,
         dimension: Dimension,
@@ -23,7 +23,7 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, dimension, rows, value, |_| DIGITS)
     }
 
-    /// A force of which only so many digits are known.
+    /// A force with this number of digits.
     pub fn force(
         name: &str,
         rows: &[T],
@@ -33,12 +33,12 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, Dimension::Force, rows, value, known)
     }
 
-    /// A length that is known well enough.
+    /// A length without an error estimate.
     pub fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
         Self::scaled(name, Dimension::Length, rows, value, |_| LENGTH_DIGITS)
     }
 
-    /// A contact radius of which only so many digits are known.
+    /// A contact radius with this number of digits.
     pub fn radius(
         name: &str,
         rows: &[T],
@@ -75,7 +75,7 @@ impl<T: 'static> Column<T> {
         }
     }
 
-    /// A count or a measure with its own way of writing.
+    /// A count or a quantity with a separate format.
     pub fn right(name: &str, cell: fn(&T) -> String) -> Self {
         Self {
             heading: name.to_owned(),

@@ -2,12 +2,12 @@
 
 use fakir::problem::{InvalidQuantity, System};
 use fakir::theory::adhesion::{
-    StickySphere, dugdale_pull_off, first_yield_of_tilted_top, kendall_pull_off,
-    pull_off_under_lens, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
-    sticky_sphere_at_indentation,
+    AdhesiveSphere, adhesive_sphere, adhesive_sphere_at_indentation, dugdale_pull_off,
+    first_yield_of_tilted_top, kendall_pull_off, pull_off_under_lens,
+    sphere_pull_off_by_displacement, sphere_pull_off_by_force,
 };
 use fakir::theory::closed_forms::{Form, large_contact_radius};
-use fakir::theory::stuck_floor::{AnnulusEdge, StuckFloor};
+use fakir::theory::stuck_floor::{AdhesiveFloor, AnnulusEdge};
 use serde::Serialize;
 
 /// Closed forms of adhesive contacts.
@@ -27,13 +27,13 @@ pub struct AdhesionObject {
     /// The formulas.
     pub pull_off: Vec<PullOffRow>,
     /// Behaviour of a floor with the same adhesion as the tops; `None` unless equal pillars form the infinite hexagonal lattice.
-    pub stuck_floor: Option<StuckFloorObject>,
+    pub stuck_floor: Option<AdhesiveFloorObject>,
 }
 
 /// Closed forms of an adhesive floor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end with the symbol of the unit
-pub struct StuckFloorObject {
+pub struct AdhesiveFloorObject {
     /// Work of adhesion above which the flat lattice collapses at zero load, J/m^2.
     pub collapse_work_J_per_m2: f64,
     /// Radius of the detached annuli at that work, m.
@@ -57,10 +57,10 @@ pub struct StuckFloorObject {
 /// Ratio of annulus radius to pitch above which the interaction of annuli is significant.
 pub const ANNULI_ALONE: f64 = 0.3;
 
-impl StuckFloorObject {
+impl AdhesiveFloorObject {
     /// For an adhesive system; `None` unless equal pillars form the infinite hexagonal lattice and the lens is a sphere.
     fn new(system: &System) -> Result<Option<Self>, InvalidQuantity> {
-        let Ok(floor) = StuckFloor::of(system) else {
+        let Ok(floor) = AdhesiveFloor::of(system) else {
             return Ok(None);
         };
         let Some(lens) = system.lens().sphere() else {
@@ -70,7 +70,9 @@ impl StuckFloorObject {
         // Without work of adhesion on attachment there is no jump-in.
         let first = match made {
             0.0 => None,
-            made => sticky_sphere_at_indentation(system.reduced_modulus(), lens.radius, made, 0.0)?,
+            made => {
+                adhesive_sphere_at_indentation(system.reduced_modulus(), lens.radius, made, 0.0)?
+            }
         };
         let threshold = floor.collapse_threshold();
         let annulus_radius = match floor.pillar().edge(broken, 0.0)? {
@@ -139,7 +141,7 @@ impl AdhesionObject {
             kendall_strain: system.kendall_strain(),
             tabor_number: range.map(|range| system.tabor_number(range)),
             pull_off: rows(system, dugdale),
-            stuck_floor: StuckFloorObject::new(system)?,
+            stuck_floor: AdhesiveFloorObject::new(system)?,
         }))
     }
 }
@@ -159,7 +161,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
         contact_radius_m: None,
         tilt_rad: None,
     };
-    let of_sphere = |formula, name, sphere: StickySphere| PullOffRow {
+    let of_sphere = |formula, name, sphere: AdhesiveSphere| PullOffRow {
         indentation_m: Some(sphere.indentation),
         contact_radius_m: Some(sphere.radius),
         ..row(formula, name, sphere.force)
@@ -167,7 +169,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
     let under_lens = pull_off_under_lens(modulus, radius, work, lens);
     // The top of a pillar has the compliance of a punch, plus that of the column.
     let column = (system.internal_compliance() - 1.0 / modulus) / diameter;
-    let punch = sticky_sphere(modulus, lens, work, radius).indentation;
+    let punch = adhesive_sphere(modulus, lens, work, radius).indentation;
     let pitch = system.pitch();
     let tilt = large_contact_radius(system, Form::Corrected).max(pitch) / lens;
     let mut rows = vec![
@@ -201,7 +203,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
             sphere_pull_off_by_displacement(modulus, lens, work),
         ),
     ];
-    let net = StuckFloor::of(system)
+    let net = AdhesiveFloor::of(system)
         .ok()
         .and_then(|floor| floor.net_work(work).ok().flatten());
     if let Some(net) = net.filter(|net| *net > 0.0) {
@@ -209,7 +211,7 @@ fn rows(system: &System, dugdale: Option<f64>) -> Vec<PullOffRow> {
         let sphere = sphere_pull_off_by_force(modulus, lens, net);
         rows.push(PullOffRow {
             contact_radius_m: Some(sphere.radius),
-            ..row("stuck_floor", "stuck floor, as if smooth", sphere.force)
+            ..row("stuck_floor", "adhesive floor, as if smooth", sphere.force)
         });
     }
     if let Some(force) = dugdale {
@@ -256,7 +258,7 @@ mod tests {
 
     /// 50 mJ/m^2 on the lattice of 3 %: annuli of 4.67 um, threshold 21 mJ/m^2, pull-off 0.27 mN, from a different series of modes.
     #[test]
-    fn a_floor_that_sticks_has_its_closed_forms() {
+    fn an_adhesive_floor_has_its_closed_forms() {
         let system = Case::example().system;
         let lattice = fakir::problem::HexagonalLattice::with_surface_fraction(0.03, 6e-6);
         let system = system.with_arrangement(lattice).unwrap();

@@ -17,7 +17,7 @@ pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     if answer.floor_is_out_of_reach() {
         "left out: adhesion; the floor is out of reach"
     } else {
-        "left out: adhesion, and what the floor bears if it is reached"
+        "neglected: adhesion, and the load of the floor if it is reached"
     }
 }
 
@@ -35,7 +35,7 @@ pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
     }
     if !answer.floor_is_out_of_reach() {
         words.push(format!(
-            "the indentation is not below the height of the common pillar, {}: the floor may be reached, and what it bears under rounded tops is left out",
+            "the indentation is not below the height of the common pillar, {}: the floor may be reached, and its load is neglected with rounded tops",
             with_unit(height, Dimension::Length, LENGTH_DIGITS)
         ));
     }

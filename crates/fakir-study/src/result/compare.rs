@@ -70,10 +70,10 @@ impl CompareSummary {
 }
 
 impl MethodRow {
-    pub(crate) fn formula(form: &ClosedForm, sticks: bool) -> Self {
+    pub(crate) fn formula(form: &ClosedForm, adhesive: bool) -> Self {
         let remarks = [
             (!form.applies).then_some("out of its range"),
-            sticks.then_some("without adhesion"),
+            adhesive.then_some("without adhesion"),
         ];
         let remarks: Vec<&str> = remarks.into_iter().flatten().collect();
         Self {

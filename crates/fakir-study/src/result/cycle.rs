@@ -265,7 +265,7 @@ mod tests {
     use super::*;
     use crate::record::Record;
     use fakir::problem::CyclePlan;
-    use fakir::state::{FloorResolution, Run, Solution, StuckFloorErrors};
+    use fakir::state::{AdhesiveFloorErrors, FloorResolution, Run, Solution};
     use fakir_case::{Case, CaseFile};
 
     /// The holes filled by a jump-in may depend on a detail: then only its area is unresolved.
@@ -291,7 +291,7 @@ mod tests {
                 cell: 1e-7,
                 cells_across_ring: 5.0,
                 cells_along_patch: 5.0,
-                errors: StuckFloorErrors {
+                errors: AdhesiveFloorErrors {
                     turn_force: 0.01,
                     turn_share: 0.01,
                     turn_area: 0.01,
@@ -316,10 +316,10 @@ mod tests {
         let (unknown, table) = with(0.8);
         assert!(unknown["floor"]["jump"]["floor_contact_area_m2"].is_null());
         assert_eq!((table, &unknown["converged"]), (None, &true.into()));
-        let told = words(&unknown);
+        let message = words(&unknown);
         assert!(
-            told.contains("contact area on the floor after the jump onto it is not resolved"),
-            "{told}"
+            message.contains("contact area on the floor after the jump onto it is not resolved"),
+            "{message}"
         );
     }
 }

@@ -13,7 +13,7 @@ mod sweep;
 mod theory;
 mod verify;
 
-pub use adhesion::{ANNULI_ALONE, AdhesionObject, PullOffRow, StuckFloorObject};
+pub use adhesion::{ANNULI_ALONE, AdhesionObject, AdhesiveFloorObject, PullOffRow};
 pub use approach::{ApproachSummary, approach_table};
 pub use asperities::{asperity_pillars, asperity_warnings, left_out_words};
 pub use compare::{CompareSummary, MethodRow};
@@ -24,6 +24,10 @@ pub use theory::{
     CoefficientRow, Constants, CurveRow, FormulaRow, SumRow, TheorySummary, constants,
 };
 pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
+
+/// Former name of [`AdhesiveFloorObject`].
+#[deprecated(note = "renamed to `AdhesiveFloorObject`")]
+pub type StuckFloorObject = AdhesiveFloorObject;
 
 use crate::output::File;
 use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};

@@ -3,7 +3,7 @@
 use fakir::problem::{Adhesion, HexagonalLattice, Method};
 use fakir::state::{Run, Termination};
 use fakir_case::Case;
-use fakir_study::{Collapsed, Fate, Validity, collapse};
+use fakir_study::{Collapsed, FloorOutcome, Validity, collapse};
 
 /// The paper's intermediate substrate with a surface fraction, and a work of adhesion in mJ/m^2.
 fn found(surface_fraction: f64, work: f64) -> Collapsed {
@@ -26,7 +26,7 @@ fn found(surface_fraction: f64, work: f64) -> Collapsed {
 #[test]
 fn a_floor_that_is_lost_under_load() {
     let found = found(0.03, 10.0);
-    assert_eq!(found.fate, Fate::LostUnderLoad);
+    assert_eq!(found.fate, FloorOutcome::LostUnderLoad);
     let jump = found.jump.unwrap();
     assert!((24..=42).contains(&jump.holes), "{jump:?}");
     let lost = found.lost.unwrap();
@@ -41,7 +41,7 @@ fn a_floor_that_is_lost_under_load() {
 #[test]
 fn a_floor_that_pulls() {
     let found = found(0.03, 50.0);
-    assert_eq!(found.fate, Fate::HeldThroughZero);
+    assert_eq!(found.fate, FloorOutcome::HeldThroughZero);
     assert_eq!(found.unloading_validity, Validity::InRange);
     assert!((found.pull_off.unwrap() / -0.388e-3 - 1.0).abs() < 0.1);
     assert!((found.work_over_collapse_work - 50.0 / 21.0).abs() < 0.05);
@@ -50,8 +50,8 @@ fn a_floor_that_pulls() {
 
 /// So little adhesion that annuli fill the cells: the model is not used, and this is reported.
 #[test]
-fn where_the_model_is_not_asked() {
+fn where_the_model_is_not_evaluated() {
     let found = found(0.1, 0.1);
     assert_eq!(found.jump_validity, Validity::AnnuliMeet);
-    assert_eq!((found.fate, found.jump), (Fate::Unknown, None));
+    assert_eq!((found.fate, found.jump), (FloorOutcome::Unknown, None));
 }

@@ -167,7 +167,7 @@ fn shards_and_resumed_sweeps_give_the_same_files() {
 
 /// The unloading point and the loading mode of the study apply to every cycle.
 #[test]
-fn cycles_turn_and_are_driven_as_the_study_says() {
+fn cycles_have_the_unloading_point_and_loading_mode_of_the_study() {
     let study = study(
         "[study]\nquestion = \"cycle\"\ndrive = \"machine\"\nmachine_stiffness = \"20 N/m\"\n[axes]\n\
          surface_fraction = [0.01]\n\"adhesion.work\" = [0.05]\nindentation = [\"0.5 um\", \"1 um\"]",

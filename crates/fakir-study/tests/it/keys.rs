@@ -15,7 +15,8 @@ use tempfile::TempDir;
 const BODIES: &str = "[lens]\nradius = \"500 um\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n\
     [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.45\n";
 const PILLAR: &str = "[pattern.pillar]\ndiameter = \"6 um\"\nheight = \"0.2 um\"\n";
-const ENDLESS: &str = "[pattern]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
+const INFINITE_LATTICE: &str =
+    "[pattern]\npitch = \"20 um\"\noffset = 0.3\noffset_angle = \"20 deg\"\n";
 const FINITE: &str = "[pattern]\nlattice = \"square\"\npitch = \"11 um\"\noffset = 0.3\n\
     offset_angle = \"20 deg\"\ncolumns = 2\n";
 const SPECTRAL: &str = "name = \"spectral\"";
@@ -120,7 +121,7 @@ fn contexts(key: Key) -> &'static [&'static [&'static str]] {
         }
         Key::RecedingWorkOfAdhesion => &[&["adhesion.work=0.1mJ/m2"]],
         // A floor with few holes, which takes little time.
-        Key::FloorSticks => &[&["adhesion.work=0.1mJ/m2", "pattern.columns=2"]],
+        Key::AdhesiveFloor => &[&["adhesion.work=0.1mJ/m2", "pattern.columns=2"]],
         Key::PatternOffsetAngle => &[&["surface.offset=0"]],
         Key::Seed => &[&["surface.vacancy_fraction=0"]],
         Key::Orientation => &[&[
@@ -183,7 +184,7 @@ fn numbers(record: &Record) -> Vec<f64> {
 /// Questions that are tried in turn until a key has an effect.
 fn questions(key: Key) -> &'static [Question] {
     match key {
-        Key::RecedingWorkOfAdhesion | Key::FloorSticks => &[Question::Cycle],
+        Key::RecedingWorkOfAdhesion | Key::AdhesiveFloor => &[Question::Cycle],
         Key::FloorContact => &[Question::Press, Question::PastTransition],
         _ => &[Question::Press, Question::Transition],
     }
@@ -292,7 +293,7 @@ fn differ(one: &[f64], other: &[f64]) -> bool {
 }
 
 /// Whether a key may have no effect without a warning other than the result itself.
-fn is_told_elsewhere(key: Key, file: &CaseFile) -> bool {
+fn is_reported_elsewhere(key: Key, file: &CaseFile) -> bool {
     let method = file.case().map_or("", |case| case.method.name());
     // Only the spectral method has floor contact; the others give a negative gap, and a warning with the critical load.
     let is_floor = key == Key::FloorContact && method != "spectral";
@@ -376,7 +377,7 @@ impl Base {
         }
         let idle = changed.without_effect().unwrap();
         let is_warned_of = idle.iter().any(|(idle, _)| *idle == key);
-        match is_warned_of || is_told_elsewhere(key, &changed) {
+        match is_warned_of || is_reported_elsewhere(key, &changed) {
             true => Effect::Listed,
             false => Effect::Ignored,
         }
@@ -496,8 +497,8 @@ fn pattern(arrangement: &str, method: &str) -> String {
 }
 
 #[test]
-fn endless_lattices_by_the_spectral_method() {
-    check(&[("endless", pattern(ENDLESS, SPECTRAL))]);
+fn infinite_lattices_with_the_spectral_method() {
+    check(&[("infinite", pattern(INFINITE_LATTICE, SPECTRAL))]);
 }
 
 #[test]
@@ -511,12 +512,12 @@ fn listed_pillars_by_the_spectral_method() {
 }
 
 #[test]
-fn endless_lattices_by_elements() {
-    check(&[("endless", pattern(ENDLESS, LOVE))]);
+fn infinite_lattices_with_boundary_elements() {
+    check(&[("infinite", pattern(INFINITE_LATTICE, LOVE))]);
 }
 
 #[test]
-fn finitely_many_pillars_by_elements() {
+fn finitely_many_pillars_with_boundary_elements() {
     check(&[
         ("finite", pattern(FINITE, LOVE)),
         ("listed", pattern(LISTED, LOVE)),
@@ -525,10 +526,13 @@ fn finitely_many_pillars_by_elements() {
 
 /// These methods support infinite hexagonal lattices only, and refuse the keys of other arrangements.
 #[test]
-fn endless_lattices_by_approximate_methods() {
+fn infinite_lattices_with_approximate_methods() {
     check(&[
-        ("punch", pattern(ENDLESS, "name = \"punch\"")),
-        ("homogenised", pattern(ENDLESS, "name = \"homogenised\"")),
+        ("punch", pattern(INFINITE_LATTICE, "name = \"punch\"")),
+        (
+            "homogenised",
+            pattern(INFINITE_LATTICE, "name = \"homogenised\""),
+        ),
     ]);
 }
 

@@ -70,7 +70,7 @@ fn rows_are_those_of_single_cases_on_any_threads() {
     for index in 0..study.cases() {
         let case = file(&study, index).surface_case(1_000_000_000).unwrap();
         let Question::Contact(control) = study.case(index).question else {
-            panic!("asked is a contact");
+            panic!("the answer is not a contact");
         };
         let alone = case.system.press(control, &Run::default()).unwrap();
         assert_eq!(force[index], Some(alone.force));

@@ -299,11 +299,11 @@ fn damaged_lines_are_named_and_their_cases_computed_again() {
     fs::write(folder.join("journal.jsonl"), other.join("\n") + "\n").unwrap();
     let summary = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
     assert_eq!(summary.found, 25);
-    let told: Vec<String> = summary.damaged.iter().map(ToString::to_string).collect();
-    let told = told
+    let message: Vec<String> = summary.damaged.iter().map(ToString::to_string).collect();
+    let message = message
         .join("\n")
         .replace(&bench.path().display().to_string(), "");
-    insta::assert_snapshot!("damaged_lines", told);
+    insta::assert_snapshot!("damaged_lines", message);
     assert_eq!(tables(&folder), expected);
     // The repaired journal is complete, and reports the same again.
     let again = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
@@ -332,13 +332,13 @@ fn a_shard_that_lost_a_line_is_completed_first() {
         .replacen("top_first", "top_fist", 1);
     fs::write(&journal, damaged).unwrap();
     let merged = bench.path().join("merged");
-    let told = merge(&merged, &folders, Existing::Refuse)
+    let message = merge(&merged, &folders, Existing::Refuse)
         .unwrap_err()
         .to_string();
-    assert!(told.contains("shard 2/2 in"), "{told}");
+    assert!(message.contains("shard 2/2 in"), "{message}");
     assert!(
-        told.contains("journal.jsonl:2: this line is damaged"),
-        "{told}"
+        message.contains("journal.jsonl:2: this line is damaged"),
+        "{message}"
     );
     assert!(!merged.exists());
     in_shard(2, Existing::Resume);
@@ -367,7 +367,7 @@ fn one_sweep_at_a_time_in_a_folder() {
 }
 
 #[test]
-fn a_sweep_that_is_cancelled_goes_on_from_its_journal() {
+fn a_cancelled_sweep_continues_from_its_journal() {
     let bench = TempDir::new().unwrap();
     let expected = complete(&bench.path().join("whole"));
     let folder = bench.path().join("cancelled");

@@ -119,7 +119,7 @@ impl Findings {
         let floor = state.floor.as_ref().map_or(0.0, |floor| floor.force);
         if state.converged() && (pillars + floor - state.force).abs() > 1e-9 * state.force {
             self.faults.push(format!(
-                "pillars bear {pillars:e} and the floor {floor:e} of {:e}",
+                "pillars carry {pillars:e} and the floor {floor:e} of {:e}",
                 state.force
             ));
         }

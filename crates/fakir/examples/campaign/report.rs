@@ -96,7 +96,7 @@ impl Report {
 
     pub(crate) fn print(&mut self) {
         println!(
-            "{} refused, {} answers, {} of them not converged; elements disagree in {} of {} and cannot tell in {}",
+            "{} refused, {} answers, {} of them not converged; boundary elements disagree in {} of {} and are inconclusive in {}",
             self.refused,
             self.answers,
             self.unconverged,
@@ -120,7 +120,7 @@ impl Report {
         let pairs = self.pairs();
         let covered = pairs - self.beyond(2);
         println!(
-            "\n{covered} of {pairs} pairs within their estimates ({:.2} %, asked {:.1} %), {} beyond {FARTHEST} times",
+            "\n{covered} of {pairs} pairs within their estimates ({:.2} %, required {:.1} %), {} beyond {FARTHEST} times",
             100.0 * covered as f64 / pairs.max(1) as f64,
             100.0 * COVERED,
             self.beyond(1),

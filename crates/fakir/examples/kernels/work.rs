@@ -117,14 +117,14 @@ fn floor() -> f64 {
     let exterior = Exterior::new(DEGREE);
     let modes = mode_count(DEGREE);
     let c = coefficients(window.len() * modes);
-    let bears = |disc: usize, mode: usize| c[disc * modes + mode];
+    let load_of = |disc: usize, mode: usize| c[disc * modes + mode];
     let discs = LoadedDiscs {
         exterior: &exterior,
         discs: Discs::new(
             [window.len(), modes],
             |disc| window.centres()[disc],
             |_| 1.0,
-            [Some(&bears), Some(&bears)],
+            [Some(&load_of), Some(&load_of)],
         ),
         run: &Run::default(),
     };

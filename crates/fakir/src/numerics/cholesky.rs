@@ -100,22 +100,25 @@ mod tests {
                     1.0 / (1.0 + (i + j) as f64) + if i == j { size as f64 } else { 0.0 }
                 })
                 .collect();
-            let wanted: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).sin()).collect();
+            let expected: Vec<f64> = (0..size).map(|k| (1.3 * k as f64).sin()).collect();
             let mut right: Vec<f64> = (0..size)
-                .map(|i| (0..size).map(|j| matrix[i * size + j] * wanted[j]).sum())
+                .map(|i| (0..size).map(|j| matrix[i * size + j] * expected[j]).sum())
                 .collect();
             let mut factor = matrix;
             assert!(factorise(&mut factor, size));
             solve_lower(&factor, size, &mut right);
             solve_upper(&factor, size, &mut right);
-            for (found, wanted) in right.iter().zip(&wanted) {
-                assert!((found - wanted).abs() < 1e-12, "{size}: {found} {wanted}");
+            for (found, expected) in right.iter().zip(&expected) {
+                assert!(
+                    (found - expected).abs() < 1e-12,
+                    "{size}: {found} {expected}"
+                );
             }
         }
     }
 
     #[test]
-    fn tells_what_is_not_positive_definite() {
+    fn reports_a_matrix_that_is_not_positive_definite() {
         assert!(!factorise(&mut [1.0, 2.0, 2.0, 1.0], 2));
         assert!(!factorise(&mut [f64::NAN], 1));
         // In the first panel, and in columns after it.

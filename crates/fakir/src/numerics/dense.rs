@@ -462,12 +462,12 @@ mod tests {
             let product = &lower * &upper;
             let tolerance = 2.0 * f64::EPSILON * size as f64 * largest(&upper.values);
             for j in 0..size {
-                let mut wanted = matrix.column(j).to_vec();
-                exchange(&mut wanted, 0, &lu.pivots);
-                for (found, wanted) in product.column(j).iter().zip(&wanted) {
+                let mut expected = matrix.column(j).to_vec();
+                exchange(&mut expected, 0, &lu.pivots);
+                for (found, expected) in product.column(j).iter().zip(&expected) {
                     assert!(
-                        (found - wanted).abs() <= tolerance,
-                        "{size}: {found} {wanted}"
+                        (found - expected).abs() <= tolerance,
+                        "{size}: {found} {expected}"
                     );
                 }
             }

@@ -520,7 +520,7 @@ mod tests {
     }
 
     #[test]
-    fn tells_what_is_not_positive_definite() {
+    fn reports_a_matrix_that_is_not_positive_definite() {
         let indefinite = [1.0, 2.0, 2.0, 1.0];
         for (matrix, count) in [(&indefinite[..], 2), (&[f64::NAN], 1), (&[0.0], 1)] {
             let indices: Vec<usize> = (0..count).collect();

@@ -78,15 +78,15 @@ impl Product {
         result: &mut [f64],
         stride: usize,
     ) {
-        let room = rows.min(ROWS).next_multiple_of(TALLEST) * self.inner.min(INNER);
-        if self.left.len() < room {
-            self.left = Aligned::new(room);
+        let workspace = rows.min(ROWS).next_multiple_of(TALLEST) * self.inner.min(INNER);
+        if self.left.len() < workspace {
+            self.left = Aligned::new(workspace);
         }
         Arch::new().dispatch(Addition {
             factor,
             left,
             rows,
-            room: &mut self.left,
+            workspace: &mut self.left,
             right: &self.right,
             inner: self.inner,
             columns: self.columns,
@@ -101,7 +101,7 @@ struct Addition<'a> {
     left: Part<'a>,
     rows: usize,
     /// Buffer for a block of the left factor.
-    room: &'a mut [f64],
+    workspace: &'a mut [f64],
     right: &'a [f64],
     inner: usize,
     columns: usize,
@@ -126,14 +126,14 @@ impl WithSimd for Addition<'_> {
             for first in (0..self.rows).step_by(ROWS) {
                 let rows = ROWS.min(self.rows - first);
                 let tiles = rows.div_ceil(height);
-                let room = &mut self.room[..tiles * height * inner];
-                for (tile, room) in room.chunks_exact_mut(height * inner).enumerate() {
+                let workspace = &mut self.workspace[..tiles * height * inner];
+                for (tile, workspace) in workspace.chunks_exact_mut(height * inner).enumerate() {
                     let row = first + tile * height;
-                    pack::<S>(left, row, height.min(self.rows - row), room);
+                    pack::<S>(left, row, height.min(self.rows - row), workspace);
                 }
                 for (group, right) in right.chunks_exact(COLUMNS * inner).enumerate() {
                     let columns = group * COLUMNS..self.columns.min((group + 1) * COLUMNS);
-                    for (tile, left) in room.chunks_exact(height * inner).enumerate() {
+                    for (tile, left) in workspace.chunks_exact(height * inner).enumerate() {
                         let sums = sums(simd, left, right);
                         let row = first + tile * height;
                         let filled = height.min(self.rows - row);
@@ -151,15 +151,15 @@ impl WithSimd for Addition<'_> {
 
 /// Copies rows of the left factor by columns, padded with zeros.
 #[inline(always)]
-fn pack<S: Simd>(left: Part<'_>, row: usize, filled: usize, room: &mut [f64]) {
+fn pack<S: Simd>(left: Part<'_>, row: usize, filled: usize, workspace: &mut [f64]) {
     let height = REGISTERS * S::F64_LANES;
-    for (k, room) in room.chunks_exact_mut(height).enumerate() {
+    for (k, workspace) in workspace.chunks_exact_mut(height).enumerate() {
         let values = &left.values[k * left.stride + row..];
         if filled == height {
-            room.copy_from_slice(&values[..height]);
+            workspace.copy_from_slice(&values[..height]);
         } else {
-            room[..filled].copy_from_slice(&values[..filled]);
-            room[filled..].fill(0.0);
+            workspace[..filled].copy_from_slice(&values[..filled]);
+            workspace[filled..].fill(0.0);
         }
     }
 }

@@ -231,7 +231,7 @@ mod tests {
 
     /// A crossing at 1/3, a jump there, and a function that is undefined below it.
     #[test]
-    fn crossings_are_told_from_jumps() {
+    fn crossings_are_distinguished_from_jumps() {
         let third = 1.0 / 3.0;
         let crossing = solve(0.0, 1.0, |x| x - third).unwrap();
         assert_eq!(crossing.change(1e-15), Change::Crossing(crossing.closest()));

@@ -265,9 +265,9 @@ mod tests {
             [0, 1, 4].map(|asked| of(asked).warning()),
             [None, None, None]
         );
-        let told = of(9999).warning().unwrap();
+        let message = of(9999).warning().unwrap();
         assert_eq!(
-            told,
+            message,
             "9999 threads exceed the number of processors: 4 are used"
         );
     }

@@ -238,20 +238,20 @@ mod tests {
         };
         let good = Asperity::new([0.0, 0.0], 1e-4);
         assert_eq!(of(Vec::new()), Err(InvalidAsperities::None));
-        let told = |bad: Asperity| of(vec![good, bad]).unwrap_err().to_string();
+        let message = |bad: Asperity| of(vec![good, bad]).unwrap_err().to_string();
         let beside = Asperity::new([1e-5, 0.0], 1e-4);
         assert!(of(vec![good, beside]).is_ok());
         assert!(
-            told(Asperity::new([1e-5, 0.0], -1.0))
+            message(Asperity::new([1e-5, 0.0], -1.0))
                 .contains("asperity 1 (counted from 0): invalid top radius")
         );
-        assert!(told(beside.raised_by(f64::NAN)).contains("height of an asperity"));
-        assert!(told(good).contains("asperities 0 and 1"));
+        assert!(message(beside.raised_by(f64::NAN)).contains("height of an asperity"));
+        assert!(message(good).contains("asperities 0 and 1"));
         let rim = Some(1.1e-5);
-        let told = told(Asperity {
+        let message = message(Asperity {
             rim_radius: rim,
             ..beside
         });
-        assert!(told.contains("at least 1.100e-5 m"), "{told}");
+        assert!(message.contains("at least 1.100e-5 m"), "{message}");
     }
 }

@@ -9,7 +9,7 @@ use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
 listed! {
-    /// What can be asked of a problem.
+    /// A question on a problem.
     Question {
         /// The contact under a load.
         Press = "press",
@@ -21,7 +21,7 @@ listed! {
         Cycle = "cycle",
         /// Exact derivatives of a contact.
         Gradient = "gradient",
-        /// The contact in which the floor bears a given part of the force.
+        /// The contact in which the floor carries a given fraction of the load.
         FloorShare = "floor share",
         /// A contact by a second method or mesh.
         Verify = "verify",
@@ -37,7 +37,7 @@ listed! {
         Theory = "theory",
         /// The critical state by every method.
         Compare = "compare",
-        /// The value of a quantity that gives a wanted result.
+        /// The value of a quantity for which a result has its target value.
         Design = "design",
         /// The scatter of a critical state among samples.
         Spread = "spread",
@@ -51,19 +51,19 @@ listed! {
 }
 
 listed! {
-    /// What solves a problem: one of the [methods](Method) on pillars with flat tops, or that of another surface.
+    /// The solver of a problem: one of the [methods](Method) for pillars with flat tops, or the method for another surface.
     Solver {
         /// Spectral expansion on flat pillar tops.
         Spectral,
         /// One flat punch per pillar.
         Punch,
-        /// Elements on flat pillar tops.
+        /// Boundary elements on flat pillar tops.
         Elements,
         /// The homogenised lattice.
         Homogenised,
         /// Pillars with rounded tops, each of which has a contact of unknown extent.
         Asperities,
-        /// Elements on a height map.
+        /// Boundary elements on a height map.
         HeightMap,
         /// One disc of contact on a flat surface.
         Flat,
@@ -71,15 +71,15 @@ listed! {
 }
 
 listed! {
-    /// What a problem can have that not every solver knows.
+    /// A feature of a problem that some solvers do not support.
     Feature {
         /// The lens is a plate that is not level.
         TiltedPlate,
-        /// Pillars are on another arrangement than the paper's, the endless hexagonal lattice that is not turned.
+        /// The arrangement of pillars is not that of the paper, an infinite hexagonal lattice without rotation.
         OtherArrangement,
         /// Pillars differ in diameter.
         SeveralDiameters,
-        /// Columns of pillars differ in compliance. This is looked at only where tops stick.
+        /// Columns of pillars differ in compliance. Checked only with adhesive tops.
         SeveralColumns,
         /// The lens or the substrate has a finite thickness.
         Layer,
@@ -87,12 +87,12 @@ listed! {
         ElasticPillars,
         /// The floor is ignored.
         IgnoredFloor,
-        /// Pillar tops stick.
+        /// Pillar tops are adhesive.
         AdhesiveTops,
-        /// The floor sticks too.
+        /// The floor is adhesive too.
         AdhesiveFloor,
     } and {
-        /// The lens is no sphere.
+        /// The lens is not a sphere.
         Lens(LensForm),
     }
 }
@@ -118,7 +118,7 @@ struct Rule {
 }
 
 impl Question {
-    /// Refuses what has no answer by a solver for a problem with these features.
+    /// Refuses a question that a solver does not support for a problem with these features.
     ///
     /// # Errors
     /// [`Unsupported`]: the reason and the alternative.
@@ -160,18 +160,18 @@ impl Feature {
     /// The features of a system.
     #[must_use]
     pub fn of(system: &System) -> Vec<Self> {
-        let sticks = !system.adhesion().is_none();
+        let is_adhesive = !system.adhesion().is_none();
         let (lens, floor) = (system.lens(), system.floor_model());
         let has = |feature: &Self| match feature {
             Self::Lens(form) => lens.form() == *form,
             Self::TiltedPlate => lens.is_tilted(),
             Self::OtherArrangement => system.hexagonal_lattice().is_none(),
             Self::SeveralDiameters => !system.has_common_diameter(),
-            Self::SeveralColumns => sticks && !Scene::new(system).field.has_common_columns(),
+            Self::SeveralColumns => is_adhesive && !Scene::new(system).field.has_common_columns(),
             Self::Layer => system.has_layers(),
             Self::ElasticPillars => system.pillar().compliance == PillarCompliance::Elastic,
             Self::IgnoredFloor => floor == FloorModel::Ignored,
-            Self::AdhesiveTops => sticks,
+            Self::AdhesiveTops => is_adhesive,
             Self::AdhesiveFloor => system.adhesion().floor && floor != FloorModel::Ignored,
         };
         Self::ALL.into_iter().filter(has).collect()
@@ -259,8 +259,8 @@ const WITHOUT_AXIS: &[Feature] = &[
     Feature::Lens(LensForm::Cylinder),
     Feature::Lens(LensForm::Plate),
 ];
-const STICKS: &[Feature] = &[Feature::AdhesiveTops];
-const FLOOR_STICKS: &[Feature] = &[Feature::AdhesiveFloor];
+const ADHESIVE_TOPS: &[Feature] = &[Feature::AdhesiveTops];
+const ADHESIVE_FLOOR: &[Feature] = &[Feature::AdhesiveFloor];
 const LAYER: &[Feature] = &[Feature::Layer];
 const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
 const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
@@ -293,28 +293,28 @@ static RULES: &[Rule] = &[
     rule(
         &[Question::Verify, Question::VerifyFloor],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "there is no second method for adhesion: only the spectral method supports it",
         "with a work of adhesion of 0 the contact without adhesion is verified; the loop area of a cycle can be compared with the energy that its events dissipate",
     ),
     rule(
         &[Question::Gradient],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "with adhesion the contact depends on the loading path, and derivatives are not supported",
         "leave out the works of adhesion",
     ),
     rule(
         &[Question::FloorShare],
         ON_PILLARS,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "with adhesion the contact depends on the loading path",
         "use `cycle`",
     ),
     rule(
         ANY,
         WITHOUT_ADHESION,
-        &[STICKS],
+        &[ADHESIVE_TOPS],
         "only the spectral method supports adhesion",
         "use the spectral method, or leave out the works of adhesion",
     ),
@@ -420,28 +420,28 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         SPECTRAL,
-        &[STICKS, SEVERAL_DIAMETERS],
+        &[ADHESIVE_TOPS, SEVERAL_DIAMETERS],
         "adhesion is supported only on tops of one diameter, and here diameters differ",
         "give all pillars the common diameter",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[STICKS, &[Feature::SeveralColumns]],
+        &[ADHESIVE_TOPS, &[Feature::SeveralColumns]],
         "adhesion is supported only on columns of equal compliance, and here heights differ",
         "give all pillars the same height, or use rigid pillars",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[FLOOR_STICKS, OTHER_ARRANGEMENT],
+        &[ADHESIVE_FLOOR, OTHER_ARRANGEMENT],
         "an adhesive floor is supported only between pillars on an infinite hexagonal lattice without rotation",
         "use the hexagonal lattice without rotation, columns and scatter, or adhesion of the tops only",
     ),
     rule(
         ANY,
         SPECTRAL,
-        &[FLOOR_STICKS, ELASTIC],
+        &[ADHESIVE_FLOOR, ELASTIC],
         "an adhesive floor is supported only between pillars that are columns or rigid",
         "use columns, or adhesion of the tops only",
     ),

@@ -106,7 +106,7 @@ listed! {
         Sphere = "sphere",
         /// A paraboloid of revolution.
         Paraboloid = "paraboloid",
-        /// A cylinder that lies on its side.
+        /// A cylinder whose axis is parallel to the surface.
         Cylinder = "cylinder",
         /// A plate, level or tilted.
         Plate = "plate",

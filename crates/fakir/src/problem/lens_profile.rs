@@ -297,14 +297,14 @@ fn slopes(radii: &[f64], heights: &[f64]) -> Vec<f64> {
         let [below, middle] = [width[k], 2.0 * (width[k - 1] + width[k])];
         let pivot = middle - below * above[k - 1];
         above[k] = width[k - 1] / pivot;
-        let wanted = 3.0 * (width[k] * mean[k - 1] + width[k - 1] * mean[k]);
-        right[k] = (wanted - below * right[k - 1]) / pivot;
+        let target = 3.0 * (width[k] * mean[k - 1] + width[k - 1] * mean[k]);
+        right[k] = (target - below * right[k - 1]) / pivot;
     }
     let [before, end] = [width[last - 2], width[last - 1]];
     let both = before + end;
-    let wanted = (end * end * mean[last - 2] + (2.0 * both + end) * before * mean[last - 1]) / both;
+    let target = (end * end * mean[last - 2] + (2.0 * both + end) * before * mean[last - 1]) / both;
     let mut slopes = vec![0.0; last + 1];
-    slopes[last] = (wanted - both * right[last - 1]) / (before - both * above[last - 1]);
+    slopes[last] = (target - both * right[last - 1]) / (before - both * above[last - 1]);
     for k in (1..last).rev() {
         slopes[k] = right[k] - above[k] * slopes[k + 1];
     }

@@ -473,12 +473,12 @@ impl PillarField {
     /// Columns and rows of the [grid of pillars](Self::pillar_grid) from pillar (0, 0) to the lens axis, if all pillars are symmetric under
     /// reflections of x and of y there.
     pub(crate) fn mirrored_at(&self) -> Option<[i64; 2]> {
-        self.endless_lattice()?;
+        self.infinite_lattice()?;
         self.pillar_grid()?.mirrored_at()
     }
 
     /// The vectors of an infinite lattice of equal pillars, and the position of pillar (0, 0).
-    pub(super) fn endless_lattice(&self) -> Option<([Point; 2], Point)> {
+    pub(super) fn infinite_lattice(&self) -> Option<([Point; 2], Point)> {
         match self {
             Self::Hexagonal { lattice, .. } => {
                 let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
@@ -731,7 +731,7 @@ mod tests {
     }
 
     #[test]
-    fn lattices_hold_every_pillar_within_a_radius() {
+    fn lattices_contain_every_pillar_within_a_radius() {
         let body = PillarBody::of_column(0.0);
         let lattice = PlaneLattice::new([[1.3, 0.2], [0.9, 1.7]], [0.3, -0.6], body).unwrap();
         let found = lattice.within(9.0);
@@ -755,7 +755,7 @@ mod tests {
 
     /// Square, rectangular and centred lattices have grids along x and y, others do not.
     #[test]
-    fn some_lattices_stand_on_grids() {
+    fn some_lattices_are_on_grids() {
         let body = PillarBody::of_column(0.0);
         let field = |vectors: [Point; 2]| {
             let lattice = PlaneLattice::new(vectors, [0.3, -0.6], body).unwrap();

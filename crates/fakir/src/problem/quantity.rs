@@ -193,11 +193,11 @@ pub const LARGEST_TILT: f64 = 0.175;
 pub enum Requirement {
     /// A finite number above zero.
     Positive,
-    /// A force, N: zero, or a finite number and at least this one.
+    /// A force, N: zero, or a finite number not below this one.
     ZeroOrForce(f64),
-    /// An indentation, m: zero, or a finite number and at least this one.
+    /// An indentation, m: zero, or a finite number not below this one.
     ZeroOrIndentation(f64),
-    /// A work of adhesion, J/m^2: zero, or a finite number and at least this one.
+    /// A work of adhesion, J/m^2: zero, or a finite number not below this one.
     ZeroOrWork(f64),
     /// At least the work of adhesion where contact is made (J/m^2).
     AtLeastWork(f64),

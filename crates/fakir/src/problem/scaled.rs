@@ -100,7 +100,7 @@ impl Scene {
     }
 
     /// Whether floor contact is included in the load: for a lens that is lowest at its axis only.
-    pub(crate) fn floor_bears(&self) -> bool {
+    pub(crate) fn floor_carries_load(&self) -> bool {
         self.lens.is_axisymmetric()
     }
 

@@ -192,7 +192,7 @@ mod tests {
 
     /// Means and deviations of many samples, within four of their standard errors.
     #[test]
-    fn heights_scatter_as_asked() {
+    fn heights_have_the_given_scatter() {
         let disorder = Disorder {
             heights: Scatter::normal(0.05, 3),
             missing: 0.1,

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-12;
 impl Symmetry {
     /// All symmetries of a field of pillars, beginning with the identity. Only infinite lattices of equal pillars are considered.
     pub(crate) fn of(field: &PillarField) -> Vec<Self> {
-        let Some((vectors, origin)) = field.endless_lattice() else {
+        let Some((vectors, origin)) = field.infinite_lattice() else {
             return Vec::new();
         };
         let sixths = (0..6).map(|step| PI / 3.0 * f64::from(step));
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn pillars_come_to_where_pillars_stand() {
+    fn mirrored_pillars_are_pillars() {
         for (offset, angle) in [(0.0, 0.0), (1.0 / 3f64.sqrt(), 0.0), (0.3, PI / 6.0)] {
             let field = field(offset, angle);
             let PillarField::Hexagonal { lattice, .. } = &field else {

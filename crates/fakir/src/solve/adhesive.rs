@@ -1,13 +1,13 @@
 //! Results with adhesive pillar tops, assembled from the [path](super::path) of loading and unloading.
 
 use super::assembled::floor_gap;
+use super::bonded_floor_errors::{Figures, PLAIN, VARIATIONS};
 use super::estimate::unknowns_only;
 use super::floor::FloorPoint;
 use super::mixed::patches;
-use super::path::{End, Held, HeldTop, LoadStep, Path, Stop, TopEvent};
+use super::path::{AttachedTop, End, FixedQuantity, LoadStep, Path, Stop, TopEvent};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
-use super::stuck_errors::{Figures, PLAIN, VARIATIONS};
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degree_with};
 use crate::numerics::vector::dot;
@@ -17,15 +17,15 @@ use crate::problem::{
     UnloadingPoint,
 };
 use crate::state::contact::contact_warnings;
-use crate::state::fields::{Disc, HeldPart};
+use crate::state::fields::{BondedRegion, Disc};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
-    Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors, CycleEvent,
-    CycleEventKind, CycleLoadStep, ErrorEstimate, Fields, FloorContact, FloorErrors,
+    AdhesiveFloorErrors, Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors,
+    CycleEvent, CycleEventKind, CycleLoadStep, ErrorEstimate, Fields, FloorContact, FloorErrors,
     FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PillarState, PillarStatus,
-    PullOff, Run, SolveError, StuckFloorErrors, Termination, Warning,
+    PullOff, Run, SolveError, Termination, Warning,
 };
-use crate::theory::stuck_floor::StuckPillar;
+use crate::theory::stuck_floor::BondedFloorPillar;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -116,12 +116,12 @@ pub(crate) fn cycle(
     follower: &dyn Fn(&Passage<'_>),
 ) -> Result<Cycle, SolveError> {
     let scene = Scene::new(system);
-    let told = |path: &Path<'_>| {
+    let follow = |path: &Path<'_>| {
         if let Some(station) = path.stations.last() {
             follower(&Passage {
                 place: path.stations.len() - 1,
                 station: in_si(path.scene, station),
-                held: &|| held_now(path),
+                held: &|| current_contact(path),
             });
         }
     };
@@ -140,7 +140,7 @@ pub(crate) fn cycle(
         jumps: true,
         retract: plan.retract,
     };
-    let loaded = route.followed(system, &scene, accuracy, run, &told)?;
+    let loaded = route.followed(system, &scene, accuracy, run, &follow)?;
     Ok(loaded.cycle(plan))
 }
 
@@ -164,12 +164,12 @@ impl Route {
         scene: &'a Scene,
         accuracy: Accuracy,
         run: &'a Run<'a>,
-        told: &'a dyn Fn(&Path<'a>),
+        follow: &'a dyn Fn(&Path<'a>),
     ) -> Result<Loaded<'a>, SolveError> {
-        let varied = |variation, told| {
+        let varied = |variation, follow| {
             let mut loading = Loading::new(system, scene, accuracy, self.drive, run)?;
             loading.path.variation = variation;
-            loading.path.followed_by(told);
+            loading.path.followed_by(follow);
             let mut loaded = loading.until(self.end, self.jumps)?;
             let path = &mut loaded.loading.path;
             if self.retract
@@ -181,7 +181,7 @@ impl Route {
             }
             Ok::<_, SolveError>(loaded)
         };
-        let mut loaded = varied(PLAIN, told)?;
+        let mut loaded = varied(PLAIN, follow)?;
         if let Some(floor) = loaded.loading.floor {
             if !floor.is_coarse() && loaded.turn.converged() {
                 let others = VARIATIONS.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
@@ -196,7 +196,7 @@ impl Route {
 }
 
 /// Whether the lens adheres to the floor after it reaches the floor.
-fn floor_sticks(system: &System) -> bool {
+fn has_adhesive_floor(system: &System) -> bool {
     system.adhesion().floor && system.floor_model() != FloorModel::Ignored
 }
 
@@ -237,17 +237,17 @@ impl<'a> Loading<'a> {
         };
         let degree = degrees(accuracy, scene).coupling;
         let fronts = Fronts::new(degree, scene.field.column(), works, true);
-        let held = match drive {
-            LoadingMode::Displacement => Held::Indentation,
-            LoadingMode::Force => Held::Force,
+        let fixed = match drive {
+            LoadingMode::Displacement => FixedQuantity::Indentation,
+            LoadingMode::Force => FixedQuantity::Force,
             LoadingMode::Machine(stiffness) => {
-                Held::Crosshead(stiffness * scene.length / scene.force())
+                FixedQuantity::Crosshead(stiffness * scene.length / scene.force())
             }
         };
         Ok(Self {
             system,
             accuracy,
-            path: Path::new(scene, run, fronts, held)?,
+            path: Path::new(scene, run, fronts, fixed)?,
             floor: None,
         })
     }
@@ -269,13 +269,13 @@ impl<'a> Loading<'a> {
                         ..self.state(Termination::Converged)
                     };
                     critical = Some(CriticalState::new(contact.clone()));
-                    if floor_sticks(self.system) && (jumps || end != End::Floor) {
+                    if has_adhesive_floor(self.system) && (jumps || end != End::Floor) {
                         if let Some(listener) = self.path.run.interim
                             && self.path.variation == PLAIN
                         {
                             listener(&contact);
                         }
-                        self.stick(lowest)?;
+                        self.attach_floor(lowest)?;
                         if end != End::Floor {
                             continue;
                         }
@@ -316,24 +316,24 @@ impl<'a> Loading<'a> {
     }
 
     /// Starts adhesion on the floor, from its lowest point.
-    fn stick(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
+    fn attach_floor(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
         let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
-        let pillar = StuckPillar::of(self.system);
+        let pillar = BondedFloorPillar::of(self.system);
         let ring = pillar.free_ring(self.system.adhesion().receding());
         let ring = (ring.ok().flatten()).map_or(scene.field.spacing(), |ring| ring / scene.length);
         let curvature = self.path.gap_radius(&lowest);
         let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
-        let division = self.path.stuck_division(self.accuracy, ring, patch);
+        let division = self.path.bonded_division(self.accuracy, ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,
             cells_across_ring: ring / cell,
             cells_along_patch: patch / cell,
-            errors: StuckFloorErrors::UNKNOWN,
+            errors: AdhesiveFloorErrors::UNKNOWN,
         });
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
-        self.path.stick(lowest, division, window)
+        self.path.attach_floor(lowest, division, window)
     }
 
     /// Returns the current contact.
@@ -344,7 +344,7 @@ impl<'a> Loading<'a> {
             pillars,
             fields,
             floor,
-        } = held_now(path);
+        } = current_contact(path);
         let lowest = if floor.is_some() {
             None
         } else {
@@ -406,13 +406,13 @@ impl<'a> Loading<'a> {
 
     /// Relative errors of a force (N) due to partially bonded tops: due to the number of front levels, and due to the front shapes.
     fn errors_of_parts(&self, pillars: &[PillarState], force: f64) -> [f64; 2] {
-        let borne = partly_borne(pillars);
-        let left_open = if borne > 0.0 {
+        let partial_load = load_of_partial_tops(pillars);
+        let left_open = if partial_load > 0.0 {
             LEFT_OPEN * self.path.left_open * self.path.scene.force()
         } else {
             0.0
         };
-        [left_open, PARTIAL_ERROR * borne].map(|error| relative(error, force))
+        [left_open, PARTIAL_ERROR * partial_load].map(|error| relative(error, force))
     }
 
     fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
@@ -530,7 +530,7 @@ impl Loaded<'_> {
             let indentation = path.stations[pull.station].indentation;
             let HeldContact {
                 pillars, fields, ..
-            } = held(path, indentation, &pull.tops);
+            } = contact_of(path, indentation, &pull.tops);
             PullOff {
                 force: stations[pull.station].force,
                 indentation: stations[pull.station].indentation,
@@ -610,7 +610,7 @@ impl Loading<'_> {
     fn errors(&self, critical: Option<&CriticalState>, pull_off: Option<&PullOff>) -> CycleErrors {
         let [degree, rim] = self.degree_errors();
         let of_floor =
-            |error: fn(&StuckFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
+            |error: fn(&AdhesiveFloorErrors) -> f64| self.floor.map_or(0.0, |it| error(&it.errors));
         let of_critical = critical.map_or([0.0; 2], |critical| {
             self.errors_of_parts(&critical.contact.pillars, critical.contact.force)
         });
@@ -665,7 +665,7 @@ const LEANING_MARGIN: f64 = 1.5;
 
 /// Relative increase of the total pull-off force that tilting of the tops would cause. Tilting relieves a fraction of the uneven pressure
 /// that detaches a rim, so that a top would carry `1/(1 - relieved)` times its force.
-fn leaning_error(tops: &[HeldTop], rocking: f64) -> f64 {
+fn leaning_error(tops: &[AttachedTop], rocking: f64) -> f64 {
     let [mut more, mut all] = [0.0; 2];
     for top in tops {
         let [mean, x, y] = [0, 1, 2].map(|mode| top.coefficients[mode]);
@@ -692,14 +692,14 @@ fn events_before(floor: Option<usize>, station: &LoadStep) -> usize {
 }
 
 /// The contact in which the tops carry these loads at an indentation, in solver units.
-fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
+fn contact_of(path: &Path<'_>, indentation: f64, tops: &[AttachedTop]) -> HeldContact {
     let fronts = &path.tops.fronts;
     let degree = fronts.degree();
     let scene = path.scene;
-    let disc = |top: &HeldTop| {
-        let (centre, held) = match top.disc {
-            Some(_) => ([0.0; 2], HeldPart::All),
-            None => (top.centre, fronts.held_part(top.domain)),
+    let disc = |top: &AttachedTop| {
+        let (centre, bonded) = match top.disc {
+            Some(_) => ([0.0; 2], BondedRegion::All),
+            None => (top.centre, fronts.bonded_region(top.domain)),
         };
         Disc {
             index: top.index,
@@ -707,8 +707,8 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
             radius: top.disc.unwrap_or(1.0),
             coefficients: top.coefficients.clone(),
             gap: None,
-            held: Some(held),
-            sliver: None,
+            bonded: Some(bonded),
+            rim_contact: None,
         }
     };
     let close_degree = tops
@@ -731,9 +731,9 @@ fn held(path: &Path<'_>, indentation: f64, tops: &[HeldTop]) -> HeldContact {
 }
 
 /// The current contact, including the floor.
-fn held_now(path: &Path<'_>) -> HeldContact {
-    let tops = held(path, path.indentation(), &path.held_tops());
-    let Some(load) = path.stuck_load() else {
+fn current_contact(path: &Path<'_>) -> HeldContact {
+    let tops = contact_of(path, path.indentation(), &path.attached_tops());
+    let Some(load) = path.bonded_load() else {
         return tops;
     };
     let fields = (*tops.fields).clone();
@@ -749,7 +749,7 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
     let scene = path.scene;
     let floor = path.floor.as_ref()?;
     let patches = patches(Some(&floor.cells));
-    let (cells, pressure) = path.stuck_load()?.in_metres(scene.length, scene.pressure);
+    let (cells, pressure) = path.bonded_load()?.in_metres(scene.length, scene.pressure);
     let force = path.contact.floor_force();
     Some(FloorContact {
         force: force * scene.force(),
@@ -768,19 +768,19 @@ fn floor_contact(path: &Path<'_>) -> Option<FloorContact> {
 }
 
 /// Pillars in contact with the force on each, sorted by distance from the lens axis.
-fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
+fn pillars(path: &Path<'_>, tops: &[AttachedTop]) -> Vec<PillarState> {
     let scene = path.scene;
     let fronts = &path.tops.fronts;
-    let pillar = |top: &HeldTop| {
+    let pillar = |top: &AttachedTop| {
         let coefficients = &top.coefficients;
         // Centre of the top relative to the centre of the loaded disc.
         let middle = top
             .disc
             .map_or([0.0; 2], |radius| top.centre.map(|x| x / radius));
         let place = middle[0].hypot(middle[1]);
-        let centre_is_held = match top.disc {
+        let centre_is_bonded = match top.disc {
             Some(_) => place < 1.0,
-            None => fronts.holds_centre(top.domain),
+            None => fronts.bonds_centre(top.domain),
         };
         let centre_density = || {
             let mut values = vec![0.0; coefficients.len()];
@@ -800,7 +800,7 @@ fn pillars(path: &Path<'_>, tops: &[HeldTop]) -> Vec<PillarState> {
                 PillarStatus::Partial
             },
             force: UNIT_FORCE * coefficients[0] * radius * radius * scene.force(),
-            centre_pressure: if centre_is_held {
+            centre_pressure: if centre_is_bonded {
                 centre_density() * scene.pressure
             } else {
                 0.0
@@ -841,7 +841,7 @@ fn branch(course: Course) -> Branch {
 }
 
 /// Sum of the absolute forces on partially bonded tops, N.
-fn partly_borne(pillars: &[PillarState]) -> f64 {
+fn load_of_partial_tops(pillars: &[PillarState]) -> f64 {
     let partial = pillars.iter().filter(|p| p.status == PillarStatus::Partial);
     partial.map(|pillar| pillar.force.abs()).sum()
 }
@@ -907,7 +907,7 @@ mod tests {
                     ..scene.field.column()
                 };
                 let fronts = Fronts::new(2, column, works, true);
-                let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+                let mut path = Path::new(&scene, &run, fronts, FixedQuantity::Indentation).unwrap();
                 let depth = End::Indentation(1e-6 / scene.length);
                 path.go(Course::Loading, depth, false).unwrap();
                 path.go(Course::Unloading, End::Separation, false).unwrap();

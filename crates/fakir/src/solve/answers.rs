@@ -68,7 +68,7 @@ pub(crate) fn press(
             Load::Force(force) if force <= 0.0 => {
                 return Ok(without_contact(system, &scene, method, scene.height));
             }
-            _ if scene.floor_bears() => {
+            _ if scene.floor_carries_load() => {
                 return mixed::floor_first(system, &scene, target, accuracy, run);
             }
             _ => {}
@@ -149,7 +149,7 @@ const FIRST_POWER: f64 = 1.5;
 /// The exponent is extrapolated linearly in the logarithm of the odds, but to no less than this fraction of its last value.
 const LEAST_POWER: f64 = 0.3;
 
-/// Estimates at what indentation past the transition, relative to the critical indentation, the floor carries a share, from the shares
+/// Estimates at what indentation past the transition, relative to the critical indentation, the floor carries a fraction of the load, from the fractions
 /// solved before.
 fn start_of_share(share: f64, known: &[KnownShare]) -> f64 {
     let odds = log_of_odds(share);
@@ -179,11 +179,11 @@ fn solve(
     method: PillarMethod,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let borne = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
-    let bears = borne && scene.floor_bears();
+    let floor_counts = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
+    let floor_carries = floor_counts && scene.floor_carries_load();
     let warned = |mut state: ContactState| {
         let depth = -state.smallest_floor_gap;
-        if borne && !bears && depth > 0.0 {
+        if floor_counts && !floor_carries && depth > 0.0 {
             state.warnings.push(Warning::FloorBeside { depth });
         }
         state
@@ -192,7 +192,7 @@ fn solve(
         && let Some((pillar, patch)) = find_patch(scene, target)
     {
         let state = patch_state(system, scene, method, pillar, &patch);
-        if !(bears && state.smallest_floor_gap < 0.0) {
+        if !(floor_carries && state.smallest_floor_gap < 0.0) {
             return Ok(warned(state));
         }
     }
@@ -203,7 +203,7 @@ fn solve(
     };
     match method {
         PillarMethod::Spectral(accuracy) => {
-            if bears
+            if floor_carries
                 && accuracy == Accuracy::Accurate
                 && let Some(tops) = mixed::far_past_transition(scene, target, guess, run)?
             {
@@ -235,16 +235,16 @@ fn solve(
             }
             let mut solution = solve_spectral(scene, target, punch, degrees, run)?;
             let lowest = lowest_point(target, &mut solution);
-            let mut told = None;
+            let mut reported = None;
             if let Some(listener) = listener {
                 let state = assembled(&solution, lowest, UNKNOWN)?;
                 listener(&state);
-                told = Some(state);
+                reported = Some(state);
             }
             let gap = lowest.map_or(0.0, |point| {
                 point.indentation - solution.outcome.indentation
             });
-            if bears && gap < 0.0 {
+            if floor_carries && gap < 0.0 {
                 return mixed::past_transition(system, scene, target, accuracy, solution, run);
             }
             let error = refined(&mut solution, target, run)?;
@@ -259,7 +259,7 @@ fn solve(
                     ..state
                 });
             }
-            match told {
+            match reported {
                 Some(state) => Ok(ContactState { error, ..state }),
                 None => {
                     // Releases the memory of the coupling: the states of many pillars need it.
@@ -544,8 +544,8 @@ fn patch_state(
         radius: patch.radius,
         coefficients: patch.coefficients.clone(),
         gap: None,
-        held: None,
-        sliver: None,
+        bonded: None,
+        rim_contact: None,
     };
     // The layer contributions are tabulated for the radius of the single disc.
     let of_disc = Scene {

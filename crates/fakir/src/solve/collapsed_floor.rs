@@ -26,7 +26,7 @@ use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
 use crate::problem::{Point, Quantity, System, Unsupported};
 use crate::state::{Run, SolveError};
-use crate::theory::stuck_floor::{AnnulusCoefficients, FreeAnnulus, StuckPillar};
+use crate::theory::stuck_floor::{AnnulusCoefficients, BondedFloorPillar, FreeAnnulus};
 use std::f64::consts::PI;
 
 /// Standard deviation of the average over front radii on loading, in pitches: large enough that shells of pillars do not pin the front.
@@ -76,7 +76,7 @@ pub struct CollapsedFloor {
     /// Unit of length (pillar radius, m). The fields below are in units of the pillar radius and the reduced modulus.
     length: f64,
     modulus: f64,
-    pillar: StuckPillar,
+    pillar: BondedFloorPillar,
     step: f64,
     lens_radius: f64,
     work: f64,
@@ -254,14 +254,14 @@ struct Tops<'a> {
 }
 
 impl Tops<'_> {
-    /// Forces on the adhering tops. Starting from the set `stuck`, tops detach below their detachment force, and tops that overlap with the
+    /// Forces on the adhering tops. Starting from the set `bonded`, tops detach below their detachment force, and tops that overlap with the
     /// lens attach if `touches` is set. `None` if this does not converge.
-    fn settle(&self, stuck: &mut [bool], touches: bool) -> Option<Vec<f64>> {
+    fn settle(&self, bonded: &mut [bool], touches: bool) -> Option<Vec<f64>> {
         let count = self.orbits.len();
         let mut torn = vec![false; count];
         let mut forces = vec![0.0; count];
         for _ in 0..TOP_ROUNDS {
-            let active: Vec<usize> = (0..count).filter(|m| stuck[self.orbits[*m]]).collect();
+            let active: Vec<usize> = (0..count).filter(|m| bonded[self.orbits[*m]]).collect();
             let size = active.len();
             let columns = active.iter().flat_map(|l| {
                 let column = &self.compliances[l * count..(l + 1) * count];
@@ -279,18 +279,18 @@ impl Tops<'_> {
             for (m, force) in active.iter().zip(right) {
                 forces[*m] = force;
                 if force < self.torn_at[*m] {
-                    (stuck[self.orbits[*m]], torn[*m], changed) = (false, true, true);
+                    (bonded[self.orbits[*m]], torn[*m], changed) = (false, true, true);
                 }
             }
             if !changed && touches {
                 for m in 0..count {
-                    if stuck[self.orbits[m]] || torn[m] {
+                    if bonded[self.orbits[m]] || torn[m] {
                         continue;
                     }
                     let row = &self.compliances[m * count..(m + 1) * count];
                     let moved: f64 = row.iter().zip(&forces).map(|(c, f)| c * f).sum();
                     if self.overlaps[m] > moved {
-                        (stuck[self.orbits[m]], changed) = (true, true);
+                        (bonded[self.orbits[m]], changed) = (true, true);
                     }
                 }
             }
@@ -321,7 +321,7 @@ impl CollapsedFloor {
         let (length, modulus) = (0.5 * system.pillar().diameter, system.reduced_modulus());
         let column = system.column_compliance() * modulus * length;
         let step = system.pillar().height / length;
-        let pillar = StuckPillar::new(1.0, 1.0, step, column)?;
+        let pillar = BondedFloorPillar::new(1.0, 1.0, step, column)?;
         let work = work / (modulus * length);
         let symmetry = lattice.symmetry();
         let pitch = lattice.pitch / length;
@@ -403,17 +403,17 @@ impl CollapsedFloor {
         Ok(accepted.check(Quantity::Indentation, indentation)?)
     }
 
-    /// The state with the adhering tops `held`; others may attach if `touches` is set.
+    /// The state with the adhering tops `attached`; others may attach if `touches` is set.
     fn state_with(
         &self,
         front_radius: f64,
         indentation: f64,
-        held: &[bool],
+        attached: &[bool],
         touches: bool,
     ) -> Option<CollapsedState> {
         let inside = self.orbits.iter().take_while(|it| it.radius < front_radius);
         let mut widths = vec![self.edge(0.0); inside.count()];
-        let mut tops = held.to_vec();
+        let mut tops = attached.to_vec();
         let (mut solution, mut settled) = (None, false);
         for _ in 0..ROUNDS {
             let found = self.solve(front_radius, indentation, &widths, &mut tops, touches)?;
@@ -659,7 +659,7 @@ impl CollapsedFloor {
             tops_outside += orbit.places.len();
         }
         let area = PI * front_radius * front_radius - annuli_area;
-        let stuck = area + PI * (pillars_inside + tops_outside) as f64;
+        let bonded = area + PI * (pillars_inside + tops_outside) as f64;
         let widest = solution.annuli.iter().map(|it| it.radius);
         let widest = widest.reduce(f64::max);
         let unit = self.modulus * self.length.powi(3);
@@ -668,7 +668,7 @@ impl CollapsedFloor {
             indentation: indentation * self.length,
             force: force * self.modulus * self.length.powi(2),
             energy: energy * unit,
-            potential: (energy - self.work * stuck) * unit,
+            potential: (energy - self.work * bonded) * unit,
             floor_area: area * self.length.powi(2),
             pillars_inside,
             tops_outside,
@@ -703,7 +703,7 @@ impl CollapsedFloor {
             let row = Row {
                 floor: self,
                 indentation: indentation / self.length,
-                held: tops.clone(),
+                attached: tops.clone(),
                 loading: !back,
                 states: Vec::new(),
             };
@@ -741,7 +741,7 @@ fn front_at(floor: &CollapsedFloor, place: usize) -> f64 {
 struct Row<'a> {
     floor: &'a CollapsedFloor,
     indentation: f64,
-    held: Vec<bool>,
+    attached: Vec<bool>,
     loading: bool,
     states: Vec<Option<Option<CollapsedState>>>,
 }
@@ -768,7 +768,7 @@ impl Row<'_> {
             let found = self.floor.state_with(
                 self.radius(place),
                 self.indentation,
-                &self.held,
+                &self.attached,
                 self.loading,
             );
             self.states[place] = Some(found);
@@ -833,7 +833,7 @@ impl Row<'_> {
         let (loading, indentation) = (self.loading, self.indentation * self.floor.length);
         let state = self.state(place)?.clone();
         let outermost = self.floor.orbits.iter().zip(&state.tops);
-        let outermost = outermost.rev().find(|(_, sticks)| **sticks);
+        let outermost = outermost.rev().find(|(_, is_bonded)| **is_bonded);
         let outermost = outermost.map_or(0.0, |(orbit, _)| orbit.radius + 1.0);
         let point = CollapsedPoint {
             unloading: !loading,
@@ -852,7 +852,7 @@ impl Row<'_> {
 }
 
 /// Pressures at which the edge of an annulus is in stable equilibrium, as a function of its radius.
-fn edges(pillar: &StuckPillar, work: f64) -> Vec<[f64; 2]> {
+fn edges(pillar: &BondedFloorPillar, work: f64) -> Vec<[f64; 2]> {
     const COUNT: usize = 200;
     let critical = (2.0 * work).sqrt();
     let (first, last) = (0.02f64.ln(), 60f64.ln());
@@ -896,8 +896,8 @@ mod tests {
         };
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
         let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice)).unwrap();
-        let sticky = system.with_adhesion(Adhesion::new(work * 1e-3)).unwrap();
-        CollapsedFloor::new(&sticky, largest_indentation).unwrap()
+        let adhesive = system.with_adhesion(Adhesion::new(work * 1e-3)).unwrap();
+        CollapsedFloor::new(&adhesive, largest_indentation).unwrap()
     }
 
     const FRONT: Front = Front {
@@ -916,7 +916,7 @@ mod tests {
 
     /// A volume at the centre, by Abel's transform `g = -V/(2 pi t^2)`: `p = (g(r_f)/q - int_r^(r_f) g'/sqrt(t^2 - r^2) dt)/pi`.
     #[test]
-    fn cracks_act_on_cracks_as_abel_says() {
+    fn the_interaction_of_cracks_agrees_with_abels_transform() {
         let f = FRONT.radius;
         for r in [0.3, 1.0, 1.8] {
             let q = FRONT.q(r);
@@ -978,7 +978,7 @@ mod tests {
     /// The disc alone: its force is the derivative of its energy and the integral of its pressure, and the disc is in contact with the
     /// lens.
     #[test]
-    fn the_stuck_disc_is_that_of_a_sphere_that_sticks() {
+    fn the_bonded_disc_is_that_of_an_adhesive_sphere() {
         let deeper = |change: f64| Front {
             depth: FRONT.depth + change,
             ..FRONT
@@ -1055,7 +1055,7 @@ mod tests {
     /// Forces in uN from cells of 0.68 um on the floor with the front, annuli of 4.69 um and 55 pillars held fixed, computed by another
     /// program: 0.3 %.
     #[test]
-    fn held_fronts_bear_what_cells_bear() {
+    fn loads_at_fixed_fronts_agree_with_cells() {
         let floor = floor(0.03, 50.0, 5e-6);
         for (front, expected) in [(26.0, 374.3), (45.0, 360.5), (76.0, 289.5), (93.0, 198.8)] {
             let front = front * 1e-6 / floor.length;
@@ -1088,12 +1088,12 @@ mod tests {
             (1.2, 0.469, 0.530, Some(18928.0)),
             (1.5, 0.730, 0.801, Some(28256.0)),
         ];
-        let sticky = [
+        let adhesive = [
             (1.0, 0.014, 0.377, Some(38200.0)),
             (1.2, 0.206, 0.530, None),
             (1.5, 0.441, 0.801, None),
         ];
-        for (work, rows) in [(10.0, soft), (50.0, sticky)] {
+        for (work, rows) in [(10.0, soft), (50.0, adhesive)] {
             let floor = floor(0.03, work, 1.5 * first);
             let loading = rows.map(|row| row.0 * first);
             let cycle = floor.cycle(&loading, &[], &Run::default()).unwrap();
@@ -1112,7 +1112,7 @@ mod tests {
     /// 50 mJ/m^2: the floor adheres through zero load, and its pull-off force is within 10 % of that of the cells, 0.388 mN. 10 mJ/m^2: the
     /// floor detaches at 2.28 um, within 0.3 um, while the lens is still under compression.
     #[test]
-    fn unloading_holds_the_floor_as_cells_do() {
+    fn the_floor_detaches_as_on_cells() {
         let first = 4.0765e-6;
         let run = |work: f64| {
             let floor = floor(0.03, work, 1.5 * first);
@@ -1122,8 +1122,8 @@ mod tests {
             let loading = [first, 1.5 * first];
             floor.cycle(&loading, &unloading, &Run::default()).unwrap()
         };
-        let sticky = run(50.0);
-        let forces = sticky.points.iter().map(|point| point.force * 1e3);
+        let adhesive = run(50.0);
+        let forces = adhesive.points.iter().map(|point| point.force * 1e3);
         let pull = forces.fold(f64::INFINITY, f64::min);
         assert!((pull / -0.388 - 1.0).abs() < 0.1, "{pull}");
         let soft = run(10.0);

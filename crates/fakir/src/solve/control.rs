@@ -84,7 +84,7 @@ impl Target {
         contact: &LinearizedContact<'_, O>,
         tolerance: f64,
     ) -> bool {
-        let meets = |value: f64, wanted: f64| within((value - wanted).abs(), tolerance * wanted);
+        let meets = |value: f64, target: f64| within((value - target).abs(), tolerance * target);
         match self {
             Self::Prescribed(Load::Force(force)) => meets(contact.force(), force),
             Self::FloorShare { share, .. } => meets(share_of(contact), share),

@@ -181,7 +181,7 @@ fn adjoints(
             .sum();
         factor = 1.0 / (1.0 - unit_displacement);
     }
-    newton.contact.release_room();
+    newton.contact.release_workspace();
     let unit = newton.contact.unit_sensitivity();
     let nothing = || Adjoint {
         floor: 0.0,
@@ -344,8 +344,8 @@ fn degree_changes(
         let loads: [Vec<f64>; 6] = std::array::from_fn(|_| vec![0.0; count]);
         (loads, LocalSolver::new(&newton.tops.top))
     };
-    let one = |(room, solver): &mut ([Vec<f64>; 6], LocalSolver), pillar: usize| {
-        let [extra, floor_load, values, loads @ ..] = room;
+    let one = |(workspace, solver): &mut ([Vec<f64>; 6], LocalSolver), pillar: usize| {
+        let [extra, floor_load, values, loads @ ..] = workspace;
         let status = newton.tops.status[pillar];
         if status == PillarStatus::Untouched || newton.run.cancel.is_cancelled() {
             return [0.0; 2];
@@ -397,14 +397,14 @@ fn degree_changes(
     let workers = newton.run.workers();
     let changes = if let Some(copies) = copies {
         let own = copies.own();
-        let of_own = |room: &mut _, number: usize| one(room, own[number] as usize);
+        let of_own = |workspace: &mut _, number: usize| one(workspace, own[number] as usize);
         let of_own = workers.map(own.len(), COSTLY_PILLARS, work, of_own);
         let numbers = copies.numbers();
         numbers.iter().map(|number| of_own[*number]).collect()
     } else {
         let every = (pillars / SAMPLED).max(1);
         let sampled = pillars.div_ceil(every);
-        let of_sample = |room: &mut _, number: usize| one(room, number * every);
+        let of_sample = |workspace: &mut _, number: usize| one(workspace, number * every);
         workers.map(sampled, COSTLY_PILLARS, work, of_sample)
     };
     newton.run.check_cancelled()?;
@@ -418,12 +418,12 @@ fn mean_values(
     exterior: &Exterior,
     pillar: usize,
     points: &[Point],
-    [means, room]: [&mut [f64]; 2],
+    [means, workspace]: [&mut [f64]; 2],
 ) {
     means.fill(0.0);
     for point in points {
-        newton.values_at(exterior, pillar, *point, room);
-        for (mean, value) in means.iter_mut().zip(&*room) {
+        newton.values_at(exterior, pillar, *point, workspace);
+        for (mean, value) in means.iter_mut().zip(&*workspace) {
             *mean += value / points.len() as f64;
         }
     }
@@ -565,8 +565,8 @@ impl Neighbours {
                     let offset = [0, 1].map(|k| at[k] - from[k]);
                     let other = sites.body(source).radius;
                     let edge = offset[0].hypot(offset[1]) - other;
-                    let bears = newton.tops.status[source] != PillarStatus::Untouched;
-                    if source == pillar || edge > reach || !bears {
+                    let in_contact = newton.tops.status[source] != PillarStatus::Untouched;
+                    if source == pillar || edge > reach || !in_contact {
                         continue;
                     }
                     let gap = (edge - radius) / radius.min(other);

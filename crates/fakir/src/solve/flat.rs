@@ -1,4 +1,4 @@
-//! Contacts with a flat surface: one disc, whose rim moves until its condition holds.
+//! Contacts with a flat surface: one disc, whose radius changes until the condition at its edge is satisfied.
 //!
 //! With the equation of [`theory::layer`](crate::theory::layer) at a contact radius `a`, the solution for an indentation `delta` is
 //! `pi theta = delta one + bent`, the solutions for `g = 1` and for `g = -G(u)`, where `G` is [the depth](crate::problem::FlatSystem::depth) of the lens.
@@ -142,7 +142,7 @@ impl<'a> Bench<'a> {
     }
 
     /// The contact of a radius at an indentation.
-    fn held(&self, radius: f64, indentation: f64) -> Settled {
+    fn with_radius(&self, radius: f64, indentation: f64) -> Settled {
         let disc = self.disc(radius);
         let [one, bent] = self.solutions(&disc, radius);
         self.settled(&disc, [&one, &bent], radius, indentation)
@@ -520,14 +520,14 @@ impl FlatSystem {
 
     /// Loading and unloading with adhesion.
     ///
-    /// The lens touches, jumps into contact, is pressed to the end of loading and, if the plan says so, withdrawn: with a larger receding work of adhesion the rim
-    /// stays at first, then the contact shrinks until no contact is stable under what is held.
+    /// The lens touches, jumps into contact, and is pressed to the end of loading. If the plan includes unloading, it is then withdrawn. With a larger receding
+    /// work of adhesion the contact radius remains constant at first; then the contact shrinks until no contact is stable in the loading mode.
     ///
     /// # Errors
-    /// As [`press`](Self::press); [`SolveError::NothingSticks`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical indentation.
+    /// As [`press`](Self::press); [`SolveError::NoAdhesion`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical indentation.
     pub fn cycle(&self, plan: &CyclePlan, run: &Run<'_>) -> Result<FlatCycle, SolveError> {
         if self.adhesion().is_none() {
-            return Err(SolveError::NothingSticks);
+            return Err(SolveError::NoAdhesion);
         }
         let plan = plan.checked(self.length(), self.reduced_modulus())?;
         run.check_cancelled()?;
@@ -778,7 +778,8 @@ impl<'a, 'b> Path<'a, 'b> {
                     .at(from.radius + part * (to.radius - from.radius), work)
             } else {
                 let way = to.indentation - from.indentation;
-                self.bench.held(from.radius, from.indentation + part * way)
+                self.bench
+                    .with_radius(from.radius, from.indentation + part * way)
             };
             self.steps.push(step(branch, &state));
         }
@@ -878,7 +879,7 @@ impl<'a, 'b> Path<'a, 'b> {
     }
 }
 
-/// Area enclosed by a curve of indentation and force that is gone through clockwise: `∮F dδ`.
+/// Area enclosed by a curve of indentation and force that is traversed clockwise: `∮F dδ`.
 fn enclosed(curve: &[[f64; 2]]) -> f64 {
     let parts = curve.windows(2);
     parts

@@ -321,12 +321,12 @@ pub(crate) trait FloorDisplacement {
 impl Discs {
     /// One disc around the lens axis, whose pressure does not depend on the indentation.
     pub(crate) fn around_axis(radius: f64, coefficients: &[f64]) -> Self {
-        let bears = |_: usize, mode: usize| coefficients[mode];
+        let load_of = |_: usize, mode: usize| coefficients[mode];
         Self::new(
             [1, coefficients.len()],
             |_| [0.0; 2],
             |_| radius,
-            [None, Some(&bears)],
+            [None, Some(&load_of)],
         )
     }
 
@@ -352,7 +352,7 @@ impl Discs {
             .map(|first| lanes(first, &|disc| radius(disc.min(last))));
         let coefficients = coefficients.map(|set| {
             set.map_or_else(Vec::new, |of_disc| {
-                let bears = |disc: usize, mode: usize| {
+                let load_of = |disc: usize, mode: usize| {
                     if disc < count {
                         of_disc(disc, mode)
                     } else {
@@ -360,7 +360,7 @@ impl Discs {
                     }
                 };
                 let modes = |first: usize| {
-                    (0..modes).map(move |mode| lanes(first, &|disc| bears(disc, mode)))
+                    (0..modes).map(move |mode| lanes(first, &|disc| load_of(disc, mode)))
                 };
                 firsts().flat_map(modes).collect()
             })
@@ -445,8 +445,8 @@ impl LoadedDiscs<'_> {
     #[inline(always)]
     fn values<const M: usize>(&self, places: Range<usize>, position: Point) -> [Lanes; 2] {
         let mut sums = [Lanes::default(); 2];
-        let mut room = [Lanes::default(); M];
-        let of_modes = &mut room[..self.discs.modes];
+        let mut workspace = [Lanes::default(); M];
+        let of_modes = &mut workspace[..self.discs.modes];
         let differ = self.discs.differ;
         for place in places {
             let radius = self.discs.radius_at(place);
@@ -1054,14 +1054,14 @@ mod tests {
             })
             .collect();
         // All discs have the radius 0.75 in this field.
-        let bears = |disc: usize, mode: usize| coefficients[6 * disc + mode];
+        let load_of = |disc: usize, mode: usize| coefficients[6 * disc + mode];
         let loaded = LoadedDiscs {
             exterior: &Exterior::new(2),
             discs: Discs::new(
                 [centres.len(), 6],
                 |disc| centres[disc],
                 |_| 0.75,
-                [None, Some(&bears)],
+                [None, Some(&load_of)],
             ),
             run: &Run::default(),
         };

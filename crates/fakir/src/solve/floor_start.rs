@@ -22,14 +22,14 @@ impl FloorPressures {
         let coefficients = contact.floor_coefficients().iter();
         let coefficients = coefficients.zip(contact.floor_unit_coefficients());
         let mut pressure = vec![None; cells.grid.cells.grid().cell_count()];
-        for ((index, bears), (present, unit)) in cells
+        for ((index, loaded), (present, unit)) in cells
             .grid
             .cells
             .indices()
-            .zip(cells.bears())
+            .zip(cells.loaded())
             .zip(coefficients)
         {
-            pressure[index] = bears.then_some([scale * present, scale * unit]);
+            pressure[index] = loaded.then_some([scale * present, scale * unit]);
         }
         Self {
             grid: cells.grid.clone(),

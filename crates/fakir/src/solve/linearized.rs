@@ -143,12 +143,12 @@ pub(crate) struct LinearizedContact<'a, O> {
     products: usize,
     /// Residual of the last solution.
     remainder: f64,
-    room: Room,
+    workspace: Workspace,
 }
 
 /// Work vectors of the iteration.
 #[derive(Default)]
-struct Room {
+struct Workspace {
     load: Vec<f64>,
     residual: Vec<f64>,
     direction: Vec<f64>,
@@ -157,7 +157,7 @@ struct Room {
     product: Vec<f64>,
 }
 
-impl Room {
+impl Workspace {
     /// Resizes all vectors.
     fn resize(&mut self, size: usize) {
         let Self {
@@ -189,7 +189,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             base: 0.0,
             products: 0,
             remainder: 0.0,
-            room: Room::default(),
+            workspace: Workspace::default(),
         }
     }
 
@@ -230,8 +230,8 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
     }
 
     /// Releases the work vectors until the next solution.
-    pub(super) fn release_room(&mut self) {
-        self.room = Room::default();
+    pub(super) fn release_workspace(&mut self) {
+        self.workspace = Workspace::default();
     }
 
     /// Recomputes the loads of all coefficients on each other.
@@ -366,7 +366,7 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             .map(move |(own, far)| (own - far) * scale + self.base)
     }
 
-    /// Energy of the current response, valid if the contact conditions hold.
+    /// Energy of the current response, valid if the contact conditions are satisfied.
     pub(crate) fn energy(&self) -> f64 {
         let (coefficients, own) = (&self.present.coefficients, &self.own_load);
         let of_lens: f64 = coefficients.iter().zip(own).map(|(c, b)| c * b).sum();
@@ -492,19 +492,26 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         tolerance: Remainder,
         response: &mut Response,
     ) -> Result<Judgement, SolveError> {
-        let mut room = std::mem::take(&mut self.room);
-        room.resize(self.len());
+        let mut workspace = std::mem::take(&mut self.workspace);
+        workspace.resize(self.len());
         let mut solved = Ok(Judgement::TooLarge);
         for _ in 0..MOST_STARTS {
             let mut before = 0.0;
-            solved = self.iterate(rule, source, tolerance, response, &mut room, &mut before);
+            solved = self.iterate(
+                rule,
+                source,
+                tolerance,
+                response,
+                &mut workspace,
+                &mut before,
+            );
             let rough = self.coupling.rough_error() * before > tolerance.of_load;
             if !(rough && matches!(solved, Ok(Judgement::Good))) {
                 break;
             }
             // The residual of approximate products is too large: repeat from an exact product.
         }
-        self.room = room;
+        self.workspace = workspace;
         solved
     }
 
@@ -515,24 +522,24 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
         source: Source<'_>,
         tolerance: Remainder,
         response: &mut Response,
-        room: &mut Room,
+        workspace: &mut Workspace,
         before: &mut f64,
     ) -> Result<Judgement, SolveError> {
         let Response { coefficients, far } = response;
         let workers = self.run.workers();
         let vectors = Vectors(workers);
         // s = b - B c of the previous solution; c = P s + cb; r = b - B c - s.
-        // On floor cells, which have no compliance of their own: c unchanged; r = b - B c.
+        // On floor cells, which have no separate compliance: c unchanged; r = b - B c.
         let tops = self.tops;
-        self.right_side(source, &mut room.load);
-        room.residual[..tops].copy_from_slice(&far[..tops]);
-        room.residual[tops..].copy_from_slice(&room.load[tops..]);
-        vectors.subtract(&mut room.load[..tops], &far[..tops]);
-        rule.respond(&room.load, coefficients, workers);
+        self.right_side(source, &mut workspace.load);
+        workspace.residual[..tops].copy_from_slice(&far[..tops]);
+        workspace.residual[tops..].copy_from_slice(&workspace.load[tops..]);
+        vectors.subtract(&mut workspace.load[..tops], &far[..tops]);
+        rule.respond(&workspace.load, coefficients, workers);
         if let Source::Present = source {
             rule.add_constants(coefficients);
         }
-        let mut scale = vectors.dot(&room.load, coefficients).abs();
+        let mut scale = vectors.dot(&workspace.load, coefficients).abs();
         self.products += 1;
         if tolerance.of_load > ROUGH_TOLERANCE {
             self.coupling.apply_roughly(coefficients, far, workers);
@@ -540,13 +547,13 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             self.coupling.apply(coefficients, far, workers);
         }
         self.run.check_cancelled()?;
-        vectors.subtract(&mut room.residual, far);
-        let direction_load = &mut room.direction_load[..tops];
-        let direction = &mut room.direction;
-        rule.precondition(&room.residual, direction, direction_load, workers);
-        room.direction_load[tops..].fill(0.0);
-        let mut energy = vectors.dot(&room.residual, &room.direction);
-        if tops < room.load.len() {
+        vectors.subtract(&mut workspace.residual, far);
+        let direction_load = &mut workspace.direction_load[..tops];
+        let direction = &mut workspace.direction;
+        rule.precondition(&workspace.residual, direction, direction_load, workers);
+        workspace.direction_load[tops..].fill(0.0);
+        let mut energy = vectors.dot(&workspace.residual, &workspace.direction);
+        if tops < workspace.load.len() {
             // Before any cell carries pressure there is no other energy as a reference.
             scale = larger(scale, energy);
         }
@@ -563,31 +570,38 @@ impl<'a, O: Coupling> LinearizedContact<'a, O> {
             // Steps become small, and so do their rounding errors; every exact solution starts from an exact product.
             self.products += 1;
             self.coupling
-                .apply_roughly(&room.direction, &mut room.product, workers);
+                .apply_roughly(&workspace.direction, &mut workspace.product, workers);
             self.run.check_cancelled()?;
             // A p = B p_z + p_s; B p_z is accumulated in `far`.
-            let curvature = vectors.dot(&room.direction, &room.product)
-                + vectors.dot(&room.direction[..tops], &room.direction_load[..tops]);
+            let curvature = vectors.dot(&workspace.direction, &workspace.product)
+                + vectors.dot(
+                    &workspace.direction[..tops],
+                    &workspace.direction_load[..tops],
+                );
             if within(curvature, 0.0) {
                 return Ok(Judgement::TooLarge);
             }
             let length = energy / curvature;
-            vectors.add_scaled(coefficients, length, &room.direction);
-            vectors.add_scaled(far, length, &room.product);
-            vectors.add_scaled(&mut room.residual, -length, &room.product);
+            vectors.add_scaled(coefficients, length, &workspace.direction);
+            vectors.add_scaled(far, length, &workspace.product);
+            vectors.add_scaled(&mut workspace.residual, -length, &workspace.product);
             vectors.add_scaled(
-                &mut room.residual[..tops],
+                &mut workspace.residual[..tops],
                 -length,
-                &room.direction_load[..tops],
+                &workspace.direction_load[..tops],
             );
-            let preconditioned = &mut room.product;
-            let load = &mut room.load[..tops];
-            rule.precondition(&room.residual, preconditioned, load, workers);
-            let next = vectors.dot(&room.residual, preconditioned);
+            let preconditioned = &mut workspace.product;
+            let load = &mut workspace.load[..tops];
+            rule.precondition(&workspace.residual, preconditioned, load, workers);
+            let next = vectors.dot(&workspace.residual, preconditioned);
             let ratio = next / energy;
             energy = next;
-            vectors.scale_and_add(&mut room.direction, ratio, &room.product);
-            vectors.scale_and_add(&mut room.direction_load[..tops], ratio, &room.load[..tops]);
+            vectors.scale_and_add(&mut workspace.direction, ratio, &workspace.product);
+            vectors.scale_and_add(
+                &mut workspace.direction_load[..tops],
+                ratio,
+                &workspace.load[..tops],
+            );
         }
         Ok(Judgement::TooLarge)
     }

@@ -232,17 +232,17 @@ fn finish(
         levels,
     } = mixed;
     let termination = solution.outcome.termination;
-    let held = Load::Indentation(solution.outcome.indentation);
+    let fixed = Load::Indentation(solution.outcome.indentation);
     let prescribed = match target {
         Target::Prescribed(control) => control,
         // Equivalent to a prescribed indentation.
-        Target::FloorShare { .. } => held,
+        Target::FloorShare { .. } => fixed,
     };
     let mut of_floor = FloorErrors::UNKNOWN;
     let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
         // At a prescribed indentation the error is entirely in the force.
-        let of_pillars = refined(&mut solution, held, run)?.force;
+        let of_pillars = refined(&mut solution, fixed, run)?.force;
         if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
             of_floor = floor;
             match target {
@@ -803,9 +803,9 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
     };
     let grid = cells.grid.cells.grid();
     let ([width, height], columns) = (grid.cell(), grid.columns());
-    let mut bears = vec![false; grid.cell_count()];
-    for (index, own) in cells.grid.cells.indices().zip(cells.bears()) {
-        bears[index] = *own;
+    let mut loaded = vec![false; grid.cell_count()];
+    for (index, own) in cells.grid.cells.indices().zip(cells.loaded()) {
+        loaded[index] = *own;
     }
     // Nothing is touched beyond the last column and row, because the window ends before them.
     let neighbours = |index: usize| {
@@ -816,19 +816,19 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
             (index + columns, width),
         ]
     };
-    let mut seen = vec![false; bears.len()];
+    let mut seen = vec![false; loaded.len()];
     let mut open = Vec::new();
     let pillars = cells.grid.pillars.iter();
     let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
     let mut radius_squared: f64 = 0.0;
-    for index in 0..bears.len() {
-        if !bears[index] {
+    for index in 0..loaded.len() {
+        if !loaded[index] {
             continue;
         }
         patches.cells += 1;
         let mut on_border = false;
         for (neighbour, side) in neighbours(index) {
-            if !bears.get(neighbour).is_some_and(|bears| *bears) {
+            if !loaded.get(neighbour).is_some_and(|loaded| *loaded) {
                 patches.perimeter += side;
                 on_border = true;
             }
@@ -856,7 +856,7 @@ pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
         open.push(index);
         while let Some(place) = open.pop() {
             for (neighbour, _) in neighbours(place) {
-                if bears.get(neighbour).is_some_and(|bears| *bears) && !seen[neighbour] {
+                if loaded.get(neighbour).is_some_and(|loaded| *loaded) && !seen[neighbour] {
                     seen[neighbour] = true;
                     open.push(neighbour);
                 }

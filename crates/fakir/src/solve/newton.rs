@@ -196,10 +196,10 @@ impl Tolerances {
     }
 
     /// Tolerance after a step with this many changes of state, given the number of places that carry pressure.
-    fn follow(&mut self, changes: usize, bearing: usize) {
+    fn follow(&mut self, changes: usize, loaded_cells: usize) {
         let decrease = if changes == 0 {
             0.0
-        } else if changes < self.fewest && changes * FLOOR_FEW <= bearing {
+        } else if changes < self.fewest && changes * FLOOR_FEW <= loaded_cells {
             self.fast_decrease
         } else {
             self.decrease
@@ -285,7 +285,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// Iterates from the current states until the contact conditions hold; for a start, on most pillars.
+    /// Iterates from the current states until the contact conditions are satisfied; for a start, on most pillars.
     pub(crate) fn solve(
         &mut self,
         target: impl Into<Target>,
@@ -512,7 +512,7 @@ impl<'a> Newton<'a> {
         self.contact
             .set_floor(unit_cell, own_load, coefficients, couple);
         cells.set(self.contact.floor_coefficients().iter().map(|c| *c > 0.0));
-        if !cells.bears().contains(&true) {
+        if !cells.loaded().contains(&true) {
             cells.set(self.contact.floor_load().map(|load| load > 0.0));
         }
         self.cells = Some(cells);
@@ -524,7 +524,7 @@ impl<'a> Newton<'a> {
     /// they would appear to be touched as the floor takes load from the tops within. A thin layer rises around the contact, but first at
     /// the pillars next to the touched ones.
     ///
-    /// If no pillar is touched yet: as far as the undeformed lens is below the tops, with a margin for the indentation if it is unknown.
+    /// If no pillar is touched yet: the depth of the undeformed lens below the tops, with a margin for the indentation if it is unknown.
     pub(crate) fn pillar_reach(&self) -> f64 {
         if self.touched() > 0 {
             let reach = self.tops.reach() + REACH_MARGIN * self.scene.field.spacing();
@@ -553,12 +553,12 @@ impl<'a> Newton<'a> {
     pub(crate) fn floor_load(&self) -> Option<FloorLoad> {
         let cells = self.cells.as_ref()?;
         let scale = cells.unit_cell().recip();
-        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressures = cells.loaded().iter().zip(self.contact.floor_coefficients());
         let pressure: Vec<f64> = pressures
-            .filter_map(|(bears, c)| bears.then_some(c.max(0.0) * scale))
+            .filter_map(|(loaded, c)| loaded.then_some(c.max(0.0) * scale))
             .collect();
         (!pressure.is_empty())
-            .then(|| FloorLoad::new(cells.bearing(), pressure).with_layers(&self.scene.layers))
+            .then(|| FloorLoad::new(cells.loaded_cells(), pressure).with_layers(&self.scene.layers))
     }
 
     /// Whether a search from scratch finds a lower point of the floor than the one that closed the last step. If so, the next step starts
@@ -595,7 +595,7 @@ impl<'a> Newton<'a> {
     /// Number of floor cells that carry pressure.
     pub(crate) fn pressed(&self) -> usize {
         let cells = self.cells.as_ref();
-        cells.map_or(0, |cells| cells.bears().iter().filter(|b| **b).count())
+        cells.map_or(0, |cells| cells.loaded().iter().filter(|b| **b).count())
     }
 
     /// Force at the solved indentation.

@@ -1,7 +1,7 @@
 //! Loading and unloading with adhesion: an exact path of events.
 //!
 //! At a fixed contact state of every top the response is [linear](super::linearized) in the indentation, so that the next indentation at
-//! which a top changes follows in closed form ([`next_event`](StickyTops::next_event)). There, all tops that are unstable change, which
+//! which a top changes follows in closed form ([`next_event`](AdhesiveTops::next_event)). There, all tops that are unstable change, which
 //! changes the loads on the others: a *cascade*, at fixed indentation, force, or crosshead position of a testing machine. In a cascade,
 //! changes in the direction of the course come first (attachment on loading, detachment on unloading). A top that has changed in this
 //! direction does not change back, and a front rotates or bends once, so that every cascade ends. Unloading does not depend on the order of
@@ -12,19 +12,22 @@ mod inside;
 mod levels;
 mod records;
 
-pub(crate) use self::records::{End, Energies, Held, HeldTop, LoadStep, Stop, TopEvent};
+pub(crate) use self::records::{
+    AttachedTop, End, Energies, FixedQuantity, LoadStep, Stop, TopEvent,
+};
 
 use self::disc::InsideTop;
 use self::records::{Change, ChangedTop, StrongestPull};
+use super::bonded_floor_errors::{PLAIN, Variation};
 use super::floor::{
     Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
 };
 use super::linearized::{LinearizedContact, Remainder, Rule, Source};
+use super::rules::adhesive_tops::AdhesiveTops;
+use super::rules::bonded_floor::{BondedFloor, TAKE_BACKS, natural};
 use super::rules::floor::Places;
 use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
-use super::rules::sticky::StickyTops;
-use super::rules::stuck_floor::{StuckFloor, TAKE_BACKS, natural};
 use super::rules::tops::lens_over;
 use super::spectral::{checked_sites, limited};
 use super::stuck_errors::{PLAIN, Variation};
@@ -50,11 +53,11 @@ const TOLERANCE: f64 = 1e-9;
 /// Relative residuals at the current indentation while fronts move on the floor: relative to the load, and to the residual caused by the
 /// last moves, because further moves follow. Most unloading steps move a few cells many times. The last two apply after the moves: at the
 /// current indentation, and to a unit one; they start the next step, and the force depends only on their product.
-const STUCK_TOLERANCE: f64 = 3e-4;
-const STUCK_PART_LOADING: f64 = 0.02;
-const STUCK_PART_UNLOADING: f64 = 0.05;
-const STUCK_STATE_TOLERANCE: f64 = 3e-6;
-const STUCK_UNIT_TOLERANCE: f64 = 3e-4;
+const BONDED_TOLERANCE: f64 = 3e-4;
+const BONDED_PART_LOADING: f64 = 0.02;
+const BONDED_PART_UNLOADING: f64 = 0.05;
+const BONDED_STATE_TOLERANCE: f64 = 3e-6;
+const BONDED_UNIT_TOLERANCE: f64 = 3e-4;
 
 /// Overshoot past an event, relative to the larger of the unit of length and the indentation, so that rounding does not hide the event.
 const BEYOND: f64 = 1e-8;
@@ -70,7 +73,7 @@ const LONGEST_RELATIVE_STEP: f64 = 0.01;
 const GAP_STEP: f64 = 0.02;
 
 /// Step while the floor adheres, in pillar heights: after each step all unstable places change, on tops and floor.
-const STUCK_STEP: f64 = 0.04;
+const BONDED_STEP: f64 = 0.04;
 
 /// Radius of the adhering region, in pillar spacings, below which unloading steps are shorter, because the floor detaches there.
 const NEAR_LOSS: f64 = 2.5;
@@ -115,17 +118,17 @@ pub(crate) struct Path<'a> {
     pair: PairCoupling,
     projector: LensProjector,
     pub(crate) sites: Sites,
-    pub(crate) tops: StickyTops,
+    pub(crate) tops: AdhesiveTops,
     pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
     /// The part of the floor in contact, if it is adhesive.
-    pub(crate) floor: Option<StuckFloor<'a>>,
+    pub(crate) floor: Option<BondedFloor<'a>>,
     /// The disc inside a top that is the only one in contact, if there is one. All tops then count as out of contact.
     pub(crate) inside: Option<InsideTop>,
     exterior: Exterior,
     pub(super) works: Works,
     /// Numerical variation of the floor solution.
     pub(super) variation: Variation,
-    held: Held,
+    fixed: FixedQuantity,
     /// Indentation from which the floor is checked again.
     look_again: f64,
     refined: Refined,
@@ -150,7 +153,7 @@ impl<'a> Path<'a> {
         scene: &'a Scene,
         run: &'a Run<'a>,
         fronts: Fronts,
-        held: Held,
+        fixed: FixedQuantity,
     ) -> Result<Self, SolveError> {
         let degree = fronts.degree();
         let modes = mode_count(degree);
@@ -173,7 +176,7 @@ impl<'a> Path<'a> {
             follower: &|_| {},
             works: fronts.works(),
             variation: PLAIN,
-            tops: StickyTops::new(fronts, &sites),
+            tops: AdhesiveTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
             contact: LinearizedContact::new(run, coupling, modes, own_load),
@@ -239,7 +242,7 @@ impl<'a> Path<'a> {
         if let Some(inside) = &self.inside {
             return inside.radius();
         }
-        let mut farthest = self.floor.as_ref().map_or(0.0, StuckFloor::radius);
+        let mut farthest = self.floor.as_ref().map_or(0.0, BondedFloor::radius);
         for (domain, centre) in self.tops.domains.iter().zip(self.sites.centres()) {
             if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
                 let axis = centre.map(|x| -x);
@@ -265,7 +268,7 @@ impl<'a> Path<'a> {
             } else {
                 1.0
             };
-            return part * STUCK_STEP * self.scene.height;
+            return part * BONDED_STEP * self.scene.height;
         }
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
         (LONGEST_STEP * self.scene.height).max(part_of_path)
@@ -385,7 +388,7 @@ impl<'a> Path<'a> {
 
     /// Starts adhesion on the floor from its lowest point, on the cells of a division in a window of a radius, and computes the state after
     /// jump-in.
-    pub(crate) fn stick(
+    pub(crate) fn attach_floor(
         &mut self,
         lowest: FloorPoint,
         division: Division,
@@ -460,7 +463,7 @@ impl<'a> Path<'a> {
             force: self.force(),
             touched: self.counts(),
             area: self.tops.area()
-                + self.floor.as_ref().map_or(0.0, StuckFloor::area)
+                + self.floor.as_ref().map_or(0.0, BondedFloor::area)
                 + self.inside.as_ref().map_or(0.0, InsideTop::area),
             radius: self.contact_radius(),
             events: self.events.len(),
@@ -471,7 +474,7 @@ impl<'a> Path<'a> {
         if course == Course::Unloading && station.force < before {
             self.strongest = Some(StrongestPull {
                 station: self.stations.len(),
-                tops: self.held_tops(),
+                tops: self.attached_tops(),
             });
         }
         self.stations.push(station);
@@ -484,12 +487,12 @@ impl<'a> Path<'a> {
     }
 
     /// All tops in contact.
-    pub(crate) fn held_tops(&self) -> Vec<HeldTop> {
+    pub(crate) fn attached_tops(&self) -> Vec<AttachedTop> {
         if let Some(inside) = &self.inside {
-            return vec![inside.held_top()];
+            return vec![inside.attached_top()];
         }
         let modes = self.contact.modes();
-        let held = |pillar: usize| HeldTop {
+        let attached = |pillar: usize| AttachedTop {
             index: self.sites.index(pillar),
             centre: self.sites.centres()[pillar],
             raised: self.sites.body(pillar).raised,
@@ -498,15 +501,15 @@ impl<'a> Path<'a> {
             disc: None,
         };
         let touched = (0..self.sites.len()).filter(|p| !self.tops.domains[*p].is_out());
-        touched.map(held).collect()
+        touched.map(attached).collect()
     }
 
     /// Solves for the response to a unit indentation at the current domains. If the indentation is prescribed, residuals must only be so
     /// small that their product is negligible: see [`refine`](Self::refine).
     fn solve_unit(&mut self) -> Result<(), SolveError> {
-        let tolerance = match (self.held, &self.floor) {
-            (Held::Indentation, Some(_)) => STUCK_UNIT_TOLERANCE,
-            (Held::Indentation, None) => UNIT_TOLERANCE,
+        let tolerance = match (self.fixed, &self.floor) {
+            (FixedQuantity::Indentation, Some(_)) => BONDED_UNIT_TOLERANCE,
+            (FixedQuantity::Indentation, None) => UNIT_TOLERANCE,
             _ => TOLERANCE,
         };
         self.solve_within(Source::Unit, tolerance)
@@ -515,15 +518,15 @@ impl<'a> Path<'a> {
     /// The same at the current indentation.
     fn solve_present(&mut self, course: Course) -> Result<(), SolveError> {
         let of_start = match course {
-            Course::Loading => STUCK_PART_LOADING,
-            Course::Unloading => STUCK_PART_UNLOADING,
+            Course::Loading => BONDED_PART_LOADING,
+            Course::Unloading => BONDED_PART_UNLOADING,
         };
-        let tolerance = match (self.held, &self.floor) {
+        let tolerance = match (self.fixed, &self.floor) {
             (_, Some(_)) => Remainder {
-                of_load: STUCK_TOLERANCE,
+                of_load: BONDED_TOLERANCE,
                 of_start,
             },
-            (Held::Indentation, None) => PRESENT_TOLERANCE.into(),
+            (FixedQuantity::Indentation, None) => PRESENT_TOLERANCE.into(),
             _ => TOLERANCE.into(),
         };
         self.solve_within(Source::Present, tolerance)
@@ -561,7 +564,7 @@ impl<'a> Path<'a> {
     /// Solves for the response to a unit indentation, and updates the loads and the corrections for residuals.
     fn respond(&mut self) -> Result<(), SolveError> {
         if self.floor.is_some() {
-            self.solve_within(Source::Present, STUCK_STATE_TOLERANCE)?;
+            self.solve_within(Source::Present, BONDED_STATE_TOLERANCE)?;
         }
         self.solve_unit()?;
         if self.floor.is_none() {
@@ -620,7 +623,7 @@ impl<'a> Path<'a> {
         self.contact.all_loads(&mut self.loads);
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
-        let floor = self.floor.as_ref().map_or(0.0, StuckFloor::area);
+        let floor = self.floor.as_ref().map_or(0.0, BondedFloor::area);
         let is_first = course == Course::Loading && self.counts()[0] == 0;
         let changes = self.cascade_from(course, start, energy, floor)?;
         if is_first && changes > 0 {
@@ -666,7 +669,7 @@ impl<'a> Path<'a> {
                 break;
             }
         }
-        let area = self.floor.as_ref().map_or(0.0, StuckFloor::area) - floor;
+        let area = self.floor.as_ref().map_or(0.0, BondedFloor::area) - floor;
         if !changed && area == 0.0 {
             self.find_loads();
             return Ok(0);
@@ -682,8 +685,8 @@ impl<'a> Path<'a> {
 
     /// Changes all unstable tops until none is left. Returns whether any changed.
     fn change(&mut self, course: Course) -> Result<bool, SolveError> {
-        let [alpha, beta] = self.held.weights();
-        let held = alpha * self.indentation() + beta * self.contact.force();
+        let [alpha, beta] = self.fixed.weights();
+        let fixed = alpha * self.indentation() + beta * self.contact.force();
         let mut grown = vec![false; self.tops.domains.len()];
         let mut adjusted = grown.clone();
         let workers = self.run.workers();
@@ -723,9 +726,9 @@ impl<'a> Path<'a> {
                 }
             }
             if chosen.is_empty() && !moved {
-                if self.floor.is_some() && self.contact.remainder() > STUCK_TOLERANCE {
+                if self.floor.is_some() && self.contact.remainder() > BONDED_TOLERANCE {
                     // Nothing moves with an approximate solution: repeat with a more accurate one.
-                    self.solve_within(Source::Present, STUCK_TOLERANCE)?;
+                    self.solve_within(Source::Present, BONDED_TOLERANCE)?;
                     self.contact.all_loads(&mut self.loads);
                     continue;
                 }
@@ -740,7 +743,7 @@ impl<'a> Path<'a> {
             }
             self.solve_present(course)?;
             if beta != 0.0 {
-                let missing = held - alpha * self.indentation() - beta * self.contact.force();
+                let missing = fixed - alpha * self.indentation() - beta * self.contact.force();
                 let rate = alpha + beta * self.contact.stiffness();
                 if rate <= 0.0 {
                     // No contact is left to carry the force.
@@ -998,7 +1001,7 @@ mod tests {
         for (degree, expected) in [(2, 0.89620), (3, 0.89674), (4, 0.89674)] {
             let fronts = fronts(&scene, degree, 0.05, false);
             let work = fronts.works().receding;
-            let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+            let mut path = Path::new(&scene, &run, fronts, FixedQuantity::Indentation).unwrap();
             // The first window contains these tops and no others.
             assert_eq!(path.tops.domains.len(), 7);
             path.tops.domains.fill(Domain::FULL);
@@ -1016,7 +1019,7 @@ mod tests {
     /// Detachments at an indentation, one top after the other in any order, lead to the same state as all at once, except for the
     /// directions of fronts, which follow the load within 0.02 rad.
     #[test]
-    fn tops_may_let_go_in_any_order() {
+    fn tops_may_detach_in_any_order() {
         use chacha20::ChaCha8Rng;
         use chacha20::rand_core::{Rng, SeedableRng};
 
@@ -1024,7 +1027,7 @@ mod tests {
         let scene = scene(0.03, 0.3, PillarCompliance::Column);
         let unloaded = |partial: bool, seed: Option<u64>| {
             let fronts = fronts(&scene, 2, 0.01, partial);
-            let mut path = Path::new(&scene, &run, fronts, Held::Indentation).unwrap();
+            let mut path = Path::new(&scene, &run, fronts, FixedQuantity::Indentation).unwrap();
             path.go(Course::Loading, End::Indentation(1.0), false)
                 .unwrap();
             // Unload by a step in which many tops detach.
@@ -1054,12 +1057,12 @@ mod tests {
             let expected = unloaded(partial, None);
             for seed in 0..3 {
                 let path = unloaded(partial, Some(seed));
-                let held = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
-                    let tops = path.held_tops();
-                    let of_top = |top: &HeldTop| (top.index, top.domain.level);
+                let attached = |path: &Path<'_>| -> Vec<((i64, i64), usize)> {
+                    let tops = path.attached_tops();
+                    let of_top = |top: &AttachedTop| (top.index, top.domain.level);
                     tops.iter().map(of_top).collect()
                 };
-                assert_eq!(held(&path), held(&expected));
+                assert_eq!(attached(&path), attached(&expected));
                 let difference = (path.force() / expected.force() - 1.0).abs();
                 assert!(difference < tolerance, "{partial}: {difference:e}");
             }

@@ -70,7 +70,7 @@ pub(super) fn contact_reach(
         if distance + largest < farthest - coarse_error - 1e-3 {
             break;
         }
-        let (reach, error) = match (&pillar.disc.sliver, &pillar.disc.gap) {
+        let (reach, error) = match (&pillar.disc.rim_contact, &pillar.disc.gap) {
             (Some(edge), _) => (edge.reach, edge.error),
             (None, None) => (distance + radius, radius * full_error(pillar)),
             (None, Some(gap)) => {
@@ -141,7 +141,7 @@ fn refine(newton: &Newton<'_>, candidates: &mut [Candidate<'_>], finder: &mut Co
         .iter_mut()
         .filter(|candidate| {
             let disc = &candidate.pillar.disc;
-            disc.gap.is_some() && disc.sliver.is_none()
+            disc.gap.is_some() && disc.rim_contact.is_none()
         })
         .take(CANDIDATES)
         .peekable();

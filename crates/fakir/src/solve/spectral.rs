@@ -230,7 +230,7 @@ fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
                     [stiffness, touched_at]
                 })
                 .collect();
-            let borne = |indentation: f64| -> f64 {
+            let carried = |indentation: f64| -> f64 {
                 let one = |[stiffness, touched_at]: &[f64; 2]| {
                     stiffness * (indentation - touched_at).max(0.0)
                 };
@@ -238,13 +238,13 @@ fn entered_at(scene: &Scene, target: Load) -> Option<f64> {
             };
             let first = scene.first_touch();
             let mut high = scene.height;
-            while high < f64::MAX && borne(first + high) < force {
+            while high < f64::MAX && carried(first + high) < force {
                 high *= 2.0;
             }
             let mut low = 0.0;
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (low + high);
-                if borne(first + middle) < force {
+                if carried(first + middle) < force {
                     low = middle;
                 } else {
                     high = middle;

@@ -6,7 +6,7 @@ use super::rules::unilateral::LocalSolver;
 use crate::halfspace::disc::basis::{BasisEvaluator, degree_with, mode_count};
 use crate::halfspace::disc::nodes::edge_count;
 use crate::numerics::vector::dot;
-use crate::state::fields::{Disc, SliverEdge};
+use crate::state::fields::{Disc, RimContactEdge};
 use crate::state::{PillarState, PillarStatus};
 use std::f64::consts::PI;
 
@@ -54,11 +54,11 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
         };
         let centre = newton.tops.sites.centres()[pillar];
         let radius = newton.tops.sites.body(pillar).radius;
-        let sliver = solver
+        let rim_contact = solver
             .cells()
             .filter(|_| status == PillarStatus::Partial)
             .map(|cells| cells.edge(centre.map(|x| -x / radius)))
-            .map(|edge| SliverEdge {
+            .map(|edge| RimContactEdge {
                 reach: radius * edge.reach,
                 error: radius * edge.error,
                 ..edge
@@ -76,8 +76,8 @@ pub(super) fn touched_pillars(newton: &Newton<'_>) -> Vec<TouchedPillar> {
             radius,
             coefficients,
             gap,
-            held: None,
-            sliver,
+            bonded: None,
+            rim_contact,
         };
         let raised = newton.tops.sites.body(pillar).raised;
         let state = PillarState {

@@ -201,8 +201,8 @@ mod tests {
             for refused in [0.999 * smallest, 1e-100, 1e-300, f64::MIN_POSITIVE / 8.0] {
                 let error = press(refused).unwrap_err();
                 assert!(matches!(error, SolveError::InvalidQuantity(_)));
-                let told = format!("at least {smallest:.2e}");
-                assert!(error.to_string().contains(&told), "{error}");
+                let message = format!("at least {smallest:.2e}");
+                assert!(error.to_string().contains(&message), "{error}");
             }
         }
     }

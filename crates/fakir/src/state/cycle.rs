@@ -76,7 +76,7 @@ pub struct FloorResolution {
     /// Number of cells along the radius of the first patch, from its energy.
     pub cells_along_patch: f64,
     /// Errors of the results due to the cell size and the model of fronts.
-    pub errors: StuckFloorErrors,
+    pub errors: AdhesiveFloorErrors,
 }
 
 /// Estimated relative errors of results for an adhesive floor: the largest differences from two additional cycles on cells 1.5 times as
@@ -84,7 +84,7 @@ pub struct FloorResolution {
 /// adhesion at which fronts move; close to a barrier between rings of holes it determines whether one ring more is in contact. The error is
 /// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StuckFloorErrors {
+pub struct AdhesiveFloorErrors {
     /// Error of the force at the end of loading.
     pub turn_force: f64,
     /// Error of the fraction of this force carried by the floor.
@@ -103,7 +103,7 @@ pub struct StuckFloorErrors {
     pub loop_area: f64,
 }
 
-impl StuckFloorErrors {
+impl AdhesiveFloorErrors {
     /// Only orders of magnitude are known.
     pub(crate) const UNKNOWN: Self = Self {
         turn_force: 1.0,
@@ -392,7 +392,7 @@ impl Cycle {
         // If the floor is partly in tension and partly in compression, its force is a small difference of large forces; its error is
         // relative to the total force.
         let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
-        let of_floor = self.known_floor_errors().into_iter().flat_map(|it| {
+        let of_floor = self.available_floor_errors().into_iter().flat_map(|it| {
             [
                 ("force at the end of loading", it.turn_force),
                 (
@@ -415,15 +415,15 @@ impl Cycle {
     #[must_use]
     pub fn unresolved_jump_area(&self) -> Option<Unresolved> {
         self.floor_jump()?;
-        let error = self.known_floor_errors()?.jump_area;
+        let error = self.available_floor_errors()?.jump_area;
         let quantity = "contact area on the floor after the jump onto it";
         Unresolved::among([(quantity, error)], self.finer())
     }
 
     /// Errors of the results for an adhesive floor that are known.
-    fn known_floor_errors(&self) -> Option<StuckFloorErrors> {
+    fn available_floor_errors(&self) -> Option<AdhesiveFloorErrors> {
         let errors = self.floor?.errors;
-        (errors != StuckFloorErrors::UNKNOWN).then_some(errors)
+        (errors != AdhesiveFloorErrors::UNKNOWN).then_some(errors)
     }
 
     /// The remedy for a result that is not resolved.
@@ -454,17 +454,17 @@ impl Cycle {
     #[must_use]
     pub fn holding(&self, station: usize) -> Vec<HeldPillar> {
         let happened = self.stations.get(station).map_or(0, |at| at.events);
-        let mut held: Vec<HeldPillar> = Vec::new();
+        let mut attached: Vec<HeldPillar> = Vec::new();
         let mut place = std::collections::HashMap::new();
         for pillar in self.events[..happened].iter().filter_map(|e| e.pillar) {
             let at = *place.entry(pillar.index).or_insert_with(|| {
-                held.push(pillar);
-                held.len() - 1
+                attached.push(pillar);
+                attached.len() - 1
             });
-            held[at] = pillar;
+            attached[at] = pillar;
         }
-        held.retain(|pillar| pillar.covered > 0.0);
-        held
+        attached.retain(|pillar| pillar.covered > 0.0);
+        attached
     }
 
     /// The detachments of pillars, in order.

@@ -51,7 +51,7 @@ pub enum SolveError {
     },
     /// Fields at this number of points exceed the memory limit.
     #[error(
-        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or ask for at \
+        "fields at {points} points take {} of memory; the limit is {}: raise the limit, or request at \
          most {most} points, such as {} by {}",
         memory(*.bytes), memory(*.limit), .most.isqrt(), .most.isqrt()
     )]
@@ -147,7 +147,7 @@ pub enum SolveError {
         "without adhesion, unloading follows the curve of loading, so that there is no cycle: give a \
          work of adhesion above 0, or compute the loading only"
     )]
-    NothingSticks,
+    NoAdhesion,
     /// A load past the transition with adhesive tops.
     #[error(
         "with adhesion the loading ends at the critical state, at an indentation of \
@@ -243,6 +243,11 @@ pub enum SolveError {
 }
 
 impl SolveError {
+    /// Former name of [`NoAdhesion`](Self::NoAdhesion).
+    #[deprecated(note = "renamed to `NoAdhesion`")]
+    #[allow(non_upper_case_globals)]
+    pub const NothingSticks: Self = Self::NoAdhesion;
+
     /// That a contact reaches too far from where the lens is lowest. Lengths are in a unit of so many m.
     pub(crate) fn beyond(lens: &ShapedLens, reach: f64, unit: f64) -> Self {
         let (reach, widest) = (reach * unit, lens.widest() * unit);

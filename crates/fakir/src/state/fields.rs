@@ -33,14 +33,14 @@ pub(crate) struct Disc {
     /// Coefficients of the gap, if the edge of the contact crosses the disc.
     pub(crate) gap: Option<Vec<f64>>,
     /// The bonded region of the disc, with adhesion: the pressure may be tensile there.
-    pub(crate) held: Option<HeldPart>,
+    pub(crate) bonded: Option<BondedRegion>,
     /// The edge of a narrow contact along the rim, for which the gap is too coarse.
-    pub(crate) sliver: Option<SliverEdge>,
+    pub(crate) rim_contact: Option<RimContactEdge>,
 }
 
 /// The bonded region of a disc.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum HeldPart {
+pub(crate) enum BondedRegion {
     All,
     /// The region behind a front.
     Before(Front),
@@ -102,11 +102,11 @@ impl Disc {
         if let Some(gap) = &mut self.gap {
             turn(gap, angle);
         }
-        if let Some(HeldPart::Before(front)) = &mut self.held {
+        if let Some(BondedRegion::Before(front)) = &mut self.bonded {
             front.direction += angle;
         }
-        if let Some(sliver) = &mut self.sliver {
-            for point in &mut sliver.points {
+        if let Some(rim_contact) = &mut self.rim_contact {
+            for point in &mut rim_contact.points {
                 *point = turned(*point, angle);
             }
         }
@@ -386,11 +386,11 @@ impl Fields {
 
     /// `q` on a disc.
     pub(super) fn density_on(&self, disc: usize) -> Density<'_> {
-        let held = &self.discs[disc].held;
+        let bonded = &self.discs[disc].bonded;
         let Disc {
             coefficients, gap, ..
         } = &self.discs[disc];
-        if let Some(HeldPart::Before(front)) = held {
+        if let Some(BondedRegion::Before(front)) = bonded {
             let mean = UNIT_FORCE * coefficients[0] / front.area;
             return Density::Part { mean, front };
         }
@@ -400,7 +400,7 @@ impl Fields {
                 coefficients,
                 basis: Box::new(BasisEvaluator::new(degree_with(count))),
                 values: vec![0.0; count],
-                pulls: held.is_some(),
+                pulls: bonded.is_some(),
             };
         }
         let covered = self.covered.get_or_init(|| self.covered_parts());
@@ -422,7 +422,7 @@ impl Fields {
             covered[k]
                 .as_ref()
                 .map_or_else(Vec::new, |part| part.region.outline(corners))
-        } else if let Some(HeldPart::Before(front)) = &disc.held {
+        } else if let Some(BondedRegion::Before(front)) = &disc.bonded {
             front.outline(corners)
         } else {
             let angles = (0..corners).map(|k| TAU * k as f64 / corners as f64);
@@ -444,7 +444,7 @@ impl Fields {
             let finder = finders
                 .entry(degree)
                 .or_insert_with(|| CoverFinder::new(degree));
-            match &disc.sliver {
+            match &disc.rim_contact {
                 Some(edge) => finder.inside(&disc.coefficients, &edge.points),
                 None => finder.find(&disc.coefficients, gap),
             }
@@ -497,7 +497,7 @@ impl Density<'_> {
 
 /// Edge of a narrow contact at the rim, in pillar radii from the centre of the pillar.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct SliverEdge {
+pub(crate) struct RimContactEdge {
     pub(crate) points: Vec<Point>,
     /// Distance of the farthest point in contact from the lens axis, and its error.
     pub(crate) reach: f64,

@@ -22,10 +22,10 @@ pub struct FlatErrors {
 /// The contact of a [`FlatSystem`](crate::problem::FlatSystem): a disc.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatContact {
-    /// Indentation: how far the lens has come down since its lowest point touched the undeformed surface, m. Negative if adhesion holds a lens that is
-    /// pulled.
+    /// Indentation: displacement of the lens since its lowest point touched the undeformed surface, m. Negative if adhesion keeps the lens attached
+    /// under tension.
     pub indentation: f64,
-    /// Normal force, N; negative where the lens is pulled.
+    /// Normal force, N; negative for tension.
     pub force: f64,
     /// Contact radius, m.
     pub contact_radius: f64,

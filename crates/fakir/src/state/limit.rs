@@ -54,7 +54,7 @@ impl Limit {
     }
 
     /// A value without a threshold.
-    pub(crate) fn told(name: &'static str, value: f64) -> Self {
+    pub(crate) fn without_threshold(name: &'static str, value: f64) -> Self {
         Self {
             name,
             value,

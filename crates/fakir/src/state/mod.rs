@@ -29,8 +29,8 @@ pub use asperity_contact::{AsperityContact, AsperityErrors, AsperitySlopes, Aspe
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{
-    Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind, CycleLoadStep,
-    FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff, StuckFloorErrors,
+    AdhesiveFloorErrors, Branch, Cycle, CycleError, CycleErrors, CycleEvent, CycleEventKind,
+    CycleLoadStep, FloorResolution, HeldContact, HeldFloor, HeldPillar, Passage, PullOff,
 };
 pub use error::SolveError;
 pub use fields::Fields;
@@ -43,6 +43,10 @@ pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::{Contact, Solution};
 pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};
+
+/// Former name of [`AdhesiveFloorErrors`].
+#[deprecated(note = "renamed to `AdhesiveFloorErrors`")]
+pub type StuckFloorErrors = AdhesiveFloorErrors;
 
 /// Former name of [`AsperityContact`].
 #[deprecated(note = "renamed to `AsperityContact`")]

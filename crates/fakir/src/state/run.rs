@@ -37,7 +37,7 @@ impl Stage {
             Self::Punch => "punch lattice",
             Self::Spectral => "spectral solution",
             Self::Floor => "spectral solution with the floor",
-            Self::Elements => "Love elements",
+            Self::Elements => "boundary elements",
             Self::Surface => "contact on a height map",
             Self::Cycle => "loading and unloading",
             Self::FloorFronts => "fronts on the floor",

@@ -60,7 +60,7 @@ const NODES: usize = 10;
 const NEAR: f64 = 2.1;
 
 /// Buffers for the modes of a disc, and for the modes through which pillars interact, of several discs.
-struct Room {
+struct Workspace {
     modes: Vec<f64>,
     lanes: Vec<Lanes>,
 }
@@ -99,9 +99,9 @@ impl Fields {
         FieldSamples::check_memory(points.len(), 0, run)?;
         let scaled: Vec<Point> = points.iter().map(|point| self.scaled(*point)).collect();
         let far = FarField::worthwhile(self, &scaled, run)?;
-        let one = |point: &Point, room: &mut Room| {
+        let one = |point: &Point, workspace: &mut Workspace| {
             let displacement = match &far {
-                Some(far) => far.displacement(self, *point, room),
+                Some(far) => far.displacement(self, *point, workspace),
                 None => self.scaled_displacement(*point),
             };
             [
@@ -111,11 +111,14 @@ impl Fields {
         };
         let batch = |points: &[Point]| -> Result<Vec<[f64; 2]>, SolveError> {
             run.check_cancelled()?;
-            let mut room = Room {
+            let mut workspace = Workspace {
                 modes: vec![0.0; self.compliance.len()],
                 lanes: vec![Lanes::default(); self.exterior.count()],
             };
-            Ok(points.iter().map(|point| one(point, &mut room)).collect())
+            Ok(points
+                .iter()
+                .map(|point| one(point, &mut workspace))
+                .collect())
         };
         let values = in_batches(&scaled, batch, run)?;
         let pick = |field: usize| values.iter().map(|value| value[field]).collect();
@@ -349,7 +352,7 @@ impl FarField {
     }
 
     /// The displacement at a scaled position in one of the cells.
-    fn displacement(&self, fields: &Fields, point: Point, room: &mut Room) -> f64 {
+    fn displacement(&self, fields: &Fields, point: Point, workspace: &mut Workspace) -> f64 {
         let (i, j) = self.lattice.nearest_pillar(point);
         let Some((row, column)) = self.cells.place((i, j)) else {
             return fields.scaled_displacement(point);
@@ -376,7 +379,7 @@ impl FarField {
         let near = near.filter_map(|index| self.disc(fields, index));
         let near = widest(
             #[inline(always)]
-            || displacement_by_near(fields, near, point, room),
+            || displacement_by_near(fields, near, point, workspace),
         );
         near + far + fields.displacement_by_floor(point)
     }
@@ -407,25 +410,25 @@ fn displacement_by_near<'f>(
     fields: &Fields,
     near: impl Iterator<Item = &'f Disc>,
     point: Point,
-    room: &mut Room,
+    workspace: &mut Workspace,
 ) -> f64 {
     let mut sum = 0.0;
     let mut some = [None; LANES];
     let mut count = 0;
     for disc in near {
         if disc.is_close(point) {
-            sum += fields.displacement_by(disc, point, &mut room.modes);
+            sum += fields.displacement_by(disc, point, &mut workspace.modes);
             continue;
         }
         some[count] = Some(disc);
         count += 1;
         if count == LANES {
-            sum += fields.displacement_by_some(&some, point, &mut room.lanes);
+            sum += fields.displacement_by_some(&some, point, &mut workspace.lanes);
             (some, count) = ([None; LANES], 0);
         }
     }
     if count > 0 {
-        sum += fields.displacement_by_some(&some, point, &mut room.lanes);
+        sum += fields.displacement_by_some(&some, point, &mut workspace.lanes);
     }
     sum
 }
@@ -656,11 +659,11 @@ mod tests {
             ..Run::default()
         };
         let refused = fields.sample(&vec![[0.0; 2]; 40_001], &little);
-        let told = refused.unwrap_err().to_string();
+        let message = refused.unwrap_err().to_string();
         assert_eq!(
-            told,
+            message,
             "fields at 40001 points take 3.2 MB of memory; the limit is 3.2 MB: raise the limit, or \
-             ask for at most 40000 points, such as 200 by 200"
+             request at most 40000 points, such as 200 by 200"
         );
         let many = vec![0.0; 100_000];
         let refused = fields.on_grid(&many, &many, &Run::default());

@@ -38,7 +38,7 @@ pub fn first_yield_of_tilted_top(modulus: f64, radius: f64, work: f64, tilt: f64
 
 /// A circular contact of an adhesive sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StickySphere {
+pub struct AdhesiveSphere {
     /// Contact radius, m.
     pub radius: f64,
     /// Force, N.
@@ -47,43 +47,72 @@ pub struct StickySphere {
     pub indentation: f64,
 }
 
+/// Former name of [`AdhesiveSphere`].
+#[deprecated(note = "renamed to `AdhesiveSphere`")]
+pub type StickySphere = AdhesiveSphere;
+
 /// The contact of a sphere (approximated by a paraboloid) of radius `R` with a flat surface, within one pillar top:
 /// `F = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3)`, `zeta = a^2/R - sqrt(2 pi w a/E*)`.
 #[must_use]
-pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> StickySphere {
-    StickySphere {
+pub fn adhesive_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> AdhesiveSphere {
+    AdhesiveSphere {
         radius,
         force: pull_off_under_lens(modulus, radius, work, lens_radius),
         indentation: radius * radius / lens_radius - (2.0 * PI * work * radius / modulus).sqrt(),
     }
 }
 
+/// Former name of [`adhesive_sphere`].
+#[deprecated(note = "renamed to `adhesive_sphere`")]
+#[must_use]
+pub fn sticky_sphere(modulus: f64, lens_radius: f64, work: f64, radius: f64) -> AdhesiveSphere {
+    adhesive_sphere(modulus, lens_radius, work, radius)
+}
+
 /// Pull-off of a sphere at controlled force: `F = -(3/2) pi w R`.
 #[must_use]
-pub fn sphere_pull_off_by_force(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
+pub fn sphere_pull_off_by_force(modulus: f64, lens_radius: f64, work: f64) -> AdhesiveSphere {
     let cube = 9.0 * PI * work * lens_radius * lens_radius / (8.0 * modulus);
-    sticky_sphere(modulus, lens_radius, work, cube.cbrt())
+    adhesive_sphere(modulus, lens_radius, work, cube.cbrt())
 }
 
 /// Pull-off of a sphere at controlled displacement: at 5/9 of the largest tension.
 #[must_use]
-pub fn sphere_pull_off_by_displacement(modulus: f64, lens_radius: f64, work: f64) -> StickySphere {
+pub fn sphere_pull_off_by_displacement(
+    modulus: f64,
+    lens_radius: f64,
+    work: f64,
+) -> AdhesiveSphere {
     let cube = PI * work * lens_radius * lens_radius / (8.0 * modulus);
-    sticky_sphere(modulus, lens_radius, work, cube.cbrt())
+    adhesive_sphere(modulus, lens_radius, work, cube.cbrt())
 }
 
-/// The contact of a sphere at an indentation (m) on the stable branch: the larger of the two radii of [`sticky_sphere`] at this
-/// indentation. Returns `None` if the sphere is detached, below the indentation of [`sphere_pull_off_by_displacement`]. At indentation 0,
-/// where the sphere first touches, it jumps to the radius `(2 pi w R^2/E*)^(1/3)` under a tension of `(4/3) pi w R`.
+/// Former name of [`adhesive_sphere_at_indentation`].
 ///
 /// # Errors
-/// A modulus, lens radius or work of adhesion that is not positive and finite, and an indentation that is not finite.
+/// Those of the function with the new name.
+#[deprecated(note = "renamed to `adhesive_sphere_at_indentation`")]
 pub fn sticky_sphere_at_indentation(
     modulus: f64,
     lens_radius: f64,
     work: f64,
     indentation: f64,
-) -> Result<Option<StickySphere>, InvalidQuantity> {
+) -> Result<Option<AdhesiveSphere>, InvalidQuantity> {
+    adhesive_sphere_at_indentation(modulus, lens_radius, work, indentation)
+}
+
+/// The contact of a sphere at an indentation (m) on the stable branch: the larger of the two radii of [`adhesive_sphere`] at this
+/// indentation. Returns `None` if the sphere is detached, below the indentation of [`sphere_pull_off_by_displacement`]. At indentation 0,
+/// where the sphere first touches, it jumps to the radius `(2 pi w R^2/E*)^(1/3)` under a tension of `(4/3) pi w R`.
+///
+/// # Errors
+/// A modulus, lens radius or work of adhesion that is not positive and finite, and an indentation that is not finite.
+pub fn adhesive_sphere_at_indentation(
+    modulus: f64,
+    lens_radius: f64,
+    work: f64,
+    indentation: f64,
+) -> Result<Option<AdhesiveSphere>, InvalidQuantity> {
     Requirement::Positive.check(Quantity::ReducedModulus, modulus)?;
     Requirement::Positive.check(Quantity::LensRadius, lens_radius)?;
     Requirement::Positive.check(Quantity::WorkOfAdhesion, work)?;
@@ -92,7 +121,7 @@ pub fn sticky_sphere_at_indentation(
     if indentation < last.indentation {
         return Ok(None);
     }
-    let at = |radius: f64| sticky_sphere(modulus, lens_radius, work, radius).indentation;
+    let at = |radius: f64| adhesive_sphere(modulus, lens_radius, work, radius).indentation;
     // The sum of Hertz's radius and the radius at first touch is an upper bound.
     let first = (2.0 * PI * work * lens_radius * lens_radius / modulus).cbrt();
     let most = (indentation.max(0.0) * lens_radius).sqrt() + 1.01 * first;
@@ -104,7 +133,7 @@ pub fn sticky_sphere_at_indentation(
         Ok::<_, InvalidQuantity>(at(radius) - indentation)
     })?;
     let radius = root.map_or(last.radius, |root| root.closest().position);
-    Ok(Some(sticky_sphere(modulus, lens_radius, work, radius)))
+    Ok(Some(adhesive_sphere(modulus, lens_radius, work, radius)))
 }
 
 /// Pull-off force of a sphere of radius `R` with a constant attraction over a range `h0 = w/sigma_0` (Maugis's Dugdale model), N, negative.
@@ -212,12 +241,12 @@ mod tests {
 
     /// Compares Johnson, Kendall and Roberts with the modes of the disc, whose edge satisfies Griffith's criterion, along the whole branch.
     #[test]
-    fn spheres_stick_as_the_modes_of_a_disc_do() {
+    fn adhesive_spheres_agree_with_the_modes_of_a_disc() {
         let (lens, work) = (2.2e-3, 1e-5);
         let largest = sphere_pull_off_by_force(MODULUS, lens, work).radius;
         for part in [0.3, 0.481, 0.63, 1.0, 1.5, 3.0] {
             let radius = part * largest;
-            let expected = sticky_sphere(MODULUS, lens, work, radius);
+            let expected = adhesive_sphere(MODULUS, lens, work, radius);
             let (coefficients, indentation) =
                 disc(radius, work, |[x, y]| (x * x + y * y) / (2.0 * lens));
             let force = force_of(&coefficients, radius);
@@ -232,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn spheres_come_off_at_three_halves_and_at_five_ninths_of_it() {
+    fn spheres_detach_at_three_halves_and_at_five_ninths_of_it() {
         let (lens, work) = (2.2e-3, 1e-5);
         let by_force = sphere_pull_off_by_force(MODULUS, lens, work);
         let by_displacement = sphere_pull_off_by_displacement(MODULUS, lens, work);
@@ -241,13 +270,13 @@ mod tests {
         for (state, measure) in [
             (
                 by_force,
-                (|s: StickySphere| s.force) as fn(StickySphere) -> f64,
+                (|s: AdhesiveSphere| s.force) as fn(AdhesiveSphere) -> f64,
             ),
-            (by_displacement, |s: StickySphere| s.indentation),
+            (by_displacement, |s: AdhesiveSphere| s.indentation),
         ] {
             // Minimum of the branch.
             for part in [0.99, 1.01] {
-                let other = sticky_sphere(MODULUS, lens, work, part * state.radius);
+                let other = adhesive_sphere(MODULUS, lens, work, part * state.radius);
                 assert!(measure(other) > measure(state));
             }
         }
@@ -258,20 +287,20 @@ mod tests {
     fn spheres_are_found_at_their_indentation() {
         let (lens, work) = (2.2e-3, 1e-2);
         let at =
-            |indentation| sticky_sphere_at_indentation(MODULUS, lens, work, indentation).unwrap();
+            |indentation| adhesive_sphere_at_indentation(MODULUS, lens, work, indentation).unwrap();
         let first = at(0.0).unwrap();
         let by_hand = (2.0 * PI * work * lens * lens / MODULUS).cbrt();
         assert!((first.radius / by_hand - 1.0).abs() < 1e-12);
         assert!((first.force / (-4.0 / 3.0 * PI * work * lens) - 1.0).abs() < 1e-12);
         let last = sphere_pull_off_by_displacement(MODULUS, lens, work);
         for part in [1.0, 1.001, 1.2, 3.0, 300.0] {
-            let there = sticky_sphere(MODULUS, lens, work, part * last.radius);
+            let there = adhesive_sphere(MODULUS, lens, work, part * last.radius);
             let found = at(there.indentation).unwrap();
             assert!((found.radius / there.radius - 1.0).abs() < 1e-7, "{part}");
         }
         assert_eq!(at(1.001 * last.indentation), None);
-        assert!(sticky_sphere_at_indentation(MODULUS, lens, 0.0, 0.0).is_err());
-        assert!(sticky_sphere_at_indentation(MODULUS, lens, work, f64::NAN).is_err());
+        assert!(adhesive_sphere_at_indentation(MODULUS, lens, 0.0, 0.0).is_err());
+        assert!(adhesive_sphere_at_indentation(MODULUS, lens, work, f64::NAN).is_err());
     }
 
     /// A tilted flat top in the modes of its disc.

@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn closed_forms_agree_with_the_ewald_sum_and_the_known_digits() {
+    fn closed_forms_agree_with_the_ewald_sum_and_published_digits() {
         // -4.213422636, -1.542219722: an independent Ewald sum.
         assert!((site_potential() + 4.213_422_636).abs() < 1e-9);
         assert!((hollow_potential() + 1.542_219_722).abs() < 1e-9);

@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn zeta_functions_at_known_points() {
+    fn zeta_functions_at_points_with_closed_forms() {
         // zeta(2) = pi^2/6; zeta(3/2) and zeta(1/2): OEIS A078434, A059750.
         assert!((hurwitz_zeta(2.0, 1.0) - PI * PI / 6.0).abs() < 1e-15);
         assert!((hurwitz_zeta(1.5, 1.0) - 2.612_375_348_685_488).abs() < 1e-14);

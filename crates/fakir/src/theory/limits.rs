@@ -100,7 +100,7 @@ impl ContactState {
         }
         if self.force > 0.0 && self.indentation > 0.0 {
             limits.extend(self.thicknesses());
-            limits.extend(self.sticking());
+            limits.extend(self.negligible_work());
         }
         // Removes values that overflow for extremely small loads.
         limits.retain(|limit| limit.value.is_finite());
@@ -113,7 +113,7 @@ impl ContactState {
         if system.pillar().compliance == PillarCompliance::Elastic {
             let leans = system.leans() && matches!(self.method, Method::Spectral(_));
             let error = ELASTIC_ERRORS[usize::from(!leans)];
-            return Some(Limit::told("elastic_pillar_error", error));
+            return Some(Limit::without_threshold("elastic_pillar_error", error));
         }
         let law = system.column_law();
         let elastic = law.as_elastic()?.of_common().shortening;
@@ -148,7 +148,7 @@ impl ContactState {
     }
 
     /// Work of adhesion at which the neglected adhesion would be significant.
-    fn sticking(&self) -> Option<Limit> {
+    fn negligible_work(&self) -> Option<Limit> {
         let system = &self.system;
         if !system.adhesion().is_none() || self.pillars.is_empty() {
             return None;
@@ -156,7 +156,7 @@ impl ContactState {
         let radius = 0.5 * system.pillar().diameter;
         let share = SMALL * self.force / self.pillars.len() as f64;
         let work = share * share / (8.0 * PI * system.reduced_modulus() * radius.powi(3));
-        Some(Limit::told(
+        Some(Limit::without_threshold(
             "work_of_adhesion_of_one_percent_J_per_m2",
             work,
         ))
@@ -174,7 +174,7 @@ fn of_layers(
     let mut limits = Vec::new();
     if let (Some(film), Some(radius)) = (film, contact_radius) {
         let name = "contact_radius_over_substrate_thickness";
-        limits.push(Limit::told(name, radius / film.thickness));
+        limits.push(Limit::without_threshold(name, radius / film.thickness));
     }
     if let Some(lens) = lens {
         if let Some(radius) = contact_radius {
@@ -326,12 +326,12 @@ impl HalfSpaces<'_> {
             let layers = Layers::new([(material, Some(Layer::new(1.0))), (other, None)]);
             let thin = layers.shift(self.force, 0.0);
             let bend = layers.shift(self.force, self.second_moment).indentation - thin.indentation;
-            // Under Hertz's contact the indentation goes as the third root of the curvature.
+            // Under Hertz's contact the indentation is proportional to the third root of the curvature.
             let bend = bend + thin.curvature * self.lens_radius * self.indentation / 3.0;
             let parts = names.into_iter().zip([0.01, 0.1]);
             parts.map(move |(name, part)| {
                 let change = part * self.indentation;
-                Limit::told(name, thickness([thin.indentation, bend], change))
+                Limit::without_threshold(name, thickness([thin.indentation, bend], change))
             })
         };
         let half_spaces = names.into_iter().enumerate();
@@ -403,7 +403,7 @@ impl FlatContact {
             if let (Some(radius), true) = (radius, system.adhesion().is_none()) {
                 let work = SMALL * self.force / (1.5 * PI * radius);
                 let name = "work_of_adhesion_of_one_percent_J_per_m2";
-                limits.push(Limit::told(name, work));
+                limits.push(Limit::without_threshold(name, work));
             }
         }
         limits.retain(|limit| limit.value.is_finite());

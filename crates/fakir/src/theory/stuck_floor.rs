@@ -163,12 +163,16 @@ fn first_square(b: f64) -> f64 {
 
 /// A pillar in a floor that is bonded to the lens except for a free annulus.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StuckPillar {
+pub struct BondedFloorPillar {
     modulus: f64,
     radius: f64,
     step: f64,
     column_compliance: f64,
 }
+
+/// Former name of [`BondedFloorPillar`].
+#[deprecated(note = "renamed to `BondedFloorPillar`")]
+pub type StuckPillar = BondedFloorPillar;
 
 /// A free annulus around a pillar.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,7 +215,7 @@ const STRIDE: f64 = 1.3;
 /// Number of golden-section steps for a minimum in a bracket of two strides: position to 1e-8, value to full precision.
 const SECTIONS: usize = 40;
 
-impl StuckPillar {
+impl BondedFloorPillar {
     /// A pillar of a radius (m) and height (m), with a column compliance (m/N), and the reduced modulus (Pa) of lens and substrate.
     ///
     /// # Errors
@@ -415,10 +419,14 @@ fn largest_on_grid([first, last]: [f64; 2], function: impl Fn(f64) -> f64) -> f6
 /// The floor of a lattice of equal pillars, completely bonded to a flat lens except for an annulus around every pillar. The interaction of
 /// annuli is neglected, which is accurate for `b` below about 0.3 of the pitch.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct StuckFloor {
-    pillar: StuckPillar,
+pub struct AdhesiveFloor {
+    pillar: BondedFloorPillar,
     cell_area: f64,
 }
+
+/// Former name of [`AdhesiveFloor`].
+#[deprecated(note = "renamed to `AdhesiveFloor`")]
+pub type StuckFloor = AdhesiveFloor;
 
 /// The threshold at which a flat lattice without load collapses.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -429,12 +437,12 @@ pub struct CollapseThreshold {
     pub annulus_radius: f64,
 }
 
-impl StuckFloor {
+impl AdhesiveFloor {
     /// A floor with the given surface area per pillar (m^2), including the top.
     ///
     /// # Errors
     /// An area that is not larger than that of the pillar.
-    pub fn new(pillar: StuckPillar, cell_area: f64) -> Result<Self, InvalidQuantity> {
+    pub fn new(pillar: BondedFloorPillar, cell_area: f64) -> Result<Self, InvalidQuantity> {
         let smallest = PI * (LEAST_RADIUS_RATIO * pillar.radius).powi(2);
         Requirement::Above(smallest).check(Quantity::CellArea, cell_area)?;
         Ok(Self { pillar, cell_area })
@@ -447,12 +455,15 @@ impl StuckFloor {
     pub fn of(system: &System) -> Result<Self, SolveError> {
         let lattice = system.hexagonal_lattice();
         let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
-        Ok(Self::new(StuckPillar::of(system), lattice.cell_area())?)
+        Ok(Self::new(
+            BondedFloorPillar::of(system),
+            lattice.cell_area(),
+        )?)
     }
 
     /// One of the pillars.
     #[must_use]
-    pub fn pillar(&self) -> &StuckPillar {
+    pub fn pillar(&self) -> &BondedFloorPillar {
         &self.pillar
     }
 
@@ -773,11 +784,11 @@ mod tests {
     /// Compares the energy with force, volume and energy release rate of a pillar with a compliant column.
     #[test]
     fn energy_of_an_annulus_has_the_right_slopes() {
-        let pillar = StuckPillar::of(&system(0.03, 2.0));
+        let pillar = BondedFloorPillar::of(&system(0.03, 2.0));
         let (b, p) = (4.9e-6, 1.5e4);
         let here = pillar.annulus(b, p).unwrap();
         let slope = |up: f64, down: f64, change: f64| (up - down) / (2.0 * change);
-        let other_step = |change: f64| StuckPillar {
+        let other_step = |change: f64| BondedFloorPillar {
             step: pillar.step + change,
             ..pillar
         };
@@ -796,7 +807,7 @@ mod tests {
     /// `h = 2.2 um`).
     #[test]
     fn annuli_without_column_and_pressure() {
-        let pillar = StuckPillar::new(1.0, 3.0, 2.2, 0.0).unwrap();
+        let pillar = BondedFloorPillar::new(1.0, 3.0, 2.2, 0.0).unwrap();
         for (b, force, rate) in [
             (3.5, 23.73, 0.4970),
             (4.0, 20.56, 0.1819),
@@ -814,8 +825,8 @@ mod tests {
     /// Edges with and without pressure, and cases without an edge, in um: roots of the table of another series, interpolated, to its
     /// digits.
     #[test]
-    fn edges_stand_where_the_work_holds_them() {
-        let pillar = StuckPillar::of(&system(0.03, 2.0));
+    fn edges_are_in_equilibrium_with_the_work_of_adhesion() {
+        let pillar = BondedFloorPillar::of(&system(0.03, 2.0));
         let modulus = pillar.modulus;
         let at = |work: f64, pressure: f64| match pillar.edge(work * 1e-3, pressure * modulus) {
             Ok(AnnulusEdge::At(radius)) => radius * 1e6,
@@ -831,7 +842,7 @@ mod tests {
         ] {
             assert!((at(work, 0.0) / expected - 1.0).abs() < 6e-3, "{work}");
         }
-        let stiff = StuckPillar::of(&system(0.03, 1000.0));
+        let stiff = BondedFloorPillar::of(&system(0.03, 1000.0));
         let edge = stiff.edge(10e-3, 0.0).unwrap();
         assert!(matches!(edge, AnnulusEdge::At(b) if (b * 1e6 - 10.1).abs() < 0.06));
         let ring = stiff.free_ring(10e-3).unwrap().unwrap();
@@ -874,7 +885,7 @@ mod tests {
     fn flat_lattices_collapse_above_their_threshold() {
         for (young_modulus, expected) in [(2.0, [6.4, 21.0, 87.0]), (1000.0, [17.0, 59.0, 253.0])] {
             for (phi, expected) in [0.01, 0.03, 0.1].into_iter().zip(expected) {
-                let floor = StuckFloor::of(&system(phi, young_modulus)).unwrap();
+                let floor = AdhesiveFloor::of(&system(phi, young_modulus)).unwrap();
                 let found = floor.collapse_threshold();
                 assert!(
                     (found.work * 1e3 / expected - 1.0).abs() < 0.03,
@@ -889,7 +900,7 @@ mod tests {
                 assert_eq!(floor.pull_off(2.2e-3, 0.99 * found.work).unwrap(), None);
             }
         }
-        let floor = StuckFloor::of(&system(0.03, 2.0)).unwrap();
+        let floor = AdhesiveFloor::of(&system(0.03, 2.0)).unwrap();
         let pull = floor.pull_off(2.2e-3, 50e-3).unwrap().unwrap();
         assert!((pull + 0.27e-3).abs() < 0.005e-3, "{pull}");
         // The annuli fill the cells for such a small work of adhesion.
@@ -901,8 +912,8 @@ mod tests {
     fn thresholds_of_low_pillars_grow_as_the_square_of_the_height() {
         let cell = 4000e-12;
         let work = |height: f64| {
-            let pillar = StuckPillar::new(1e6, 1e-6, height, 0.0).unwrap();
-            StuckFloor::new(pillar, cell)
+            let pillar = BondedFloorPillar::new(1e6, 1e-6, height, 0.0).unwrap();
+            AdhesiveFloor::new(pillar, cell)
                 .unwrap()
                 .collapse_threshold()
                 .work
@@ -1016,14 +1027,14 @@ mod tests {
     fn what_cannot_be_is_refused() {
         assert!(AnnulusCoefficients::new(1.0).is_err());
         assert!(AnnulusCoefficients::new(f64::NAN).is_err());
-        let refused = StuckPillar::new(1e6, -3e-6, 2e-6, 0.0).unwrap_err();
+        let refused = BondedFloorPillar::new(1e6, -3e-6, 2e-6, 0.0).unwrap_err();
         assert_eq!(refused.quantity, Quantity::PillarRadius);
-        assert!(StuckPillar::new(1e6, 3e-6, 2e-6, -1.0).is_err());
-        let pillar = StuckPillar::new(1e6, 3e-6, 2e-6, 0.0).unwrap();
+        assert!(BondedFloorPillar::new(1e6, 3e-6, 2e-6, -1.0).is_err());
+        let pillar = BondedFloorPillar::new(1e6, 3e-6, 2e-6, 0.0).unwrap();
         assert!(pillar.annulus(2e-6, 0.0).is_err());
         assert!(pillar.annulus(5e-6, f64::INFINITY).is_err());
         assert!(pillar.edge(0.0, 0.0).is_err());
-        assert!(StuckFloor::new(pillar, 20e-12).is_err());
+        assert!(AdhesiveFloor::new(pillar, 20e-12).is_err());
         assert!(Grooves::new(1e6, 1e-6, 1e-6, 1e-6).is_err());
         let grooves = Grooves::new(1e6, 1e-6, 0.4e-6, 1e-6).unwrap();
         assert!(grooves.energy(0.6e-6).is_err());

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::Mutex;
 
 /// The paper's intermediate system with a work of adhesion (J/m^2).
-fn sticky(surface_fraction: f64, offset: f64, work: f64) -> System {
+fn adhesive(surface_fraction: f64, offset: f64, work: f64) -> System {
     let lattice = paper_lattice(surface_fraction, offset);
     let system = paper_system(lattice, INTERMEDIATE, PillarCompliance::Column);
     let adhesion = Adhesion::new(work);
@@ -88,7 +88,7 @@ fn cycles_agree_with_an_independent_program() -> Result<(), Box<dyn Error>> {
     for row in reader.deserialize() {
         let row: BTreeMap<String, String> = row?;
         let of = |name: &str| -> f64 { row[name].parse().unwrap() };
-        let system = sticky(of("phi"), 0.0, of("w_J_m2"));
+        let system = adhesive(of("phi"), 0.0, of("w_J_m2"));
         let cycle = cycle(&system, CyclePlan::default());
         let critical = &cycle.critical.as_ref().unwrap().contact;
         let near = |value: f64, expected: f64, bar: f64, what: &str| {
@@ -141,7 +141,7 @@ fn cycles_agree_with_an_independent_program() -> Result<(), Box<dyn Error>> {
 fn weak_adhesion_joins_none() {
     for (surface_fraction, offset) in [(0.01, 0.0), (0.03, 0.0), (0.03, 1.0 / 3.0)] {
         let transition = |work: f64| {
-            let system = sticky(surface_fraction, offset, work);
+            let system = adhesive(surface_fraction, offset, work);
             fakir::transition(&system, Method::default(), &Run::default()).unwrap()
         };
         let without = transition(0.0).contact;
@@ -173,16 +173,16 @@ fn no_adhesion_is_the_contact_as_it_was() {
         assert_eq!(a.indentation.to_bits(), b.indentation.to_bits());
     }
     let refused = fakir::cycle(&none, CyclePlan::default(), Method::default(), &run);
-    assert_eq!(refused.unwrap_err(), SolveError::NothingSticks);
+    assert_eq!(refused.unwrap_err(), SolveError::NoAdhesion);
 }
 
 #[test]
-#[ignore = "slow: a whole cycle of a floor that sticks"]
-fn a_floor_that_sticks_is_lost_later_than_it_came() {
+#[ignore = "slow: a complete cycle with an adhesive floor"]
+fn an_adhesive_floor_detaches_later_than_it_attached() {
     // An independent program (`floor_adhesion.csv`, phi = 0.03, 10 mJ/m^2): 0.3089 mN after the jump onto 36 holes, detachment at 2.28 um
     // +- 0.08, pull-off of the tops alone.
     let adhesion = Adhesion::new(0.01).with_floor();
-    let system = sticky(0.03, 0.0, 0.0).with_adhesion(adhesion).unwrap();
+    let system = adhesive(0.03, 0.0, 0.0).with_adhesion(adhesion).unwrap();
     let plan = CyclePlan {
         turn: UnloadingPoint::Indentation(4.158e-6),
         ..CyclePlan::default()
@@ -228,7 +228,7 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
             },
         ),
     ] {
-        let system = sticky(0.03, offset, 0.0).with_adhesion(adhesion).unwrap();
+        let system = adhesive(0.03, offset, 0.0).with_adhesion(adhesion).unwrap();
         let pulls = [
             LoadingMode::Displacement,
             LoadingMode::Force,
@@ -255,8 +255,8 @@ fn the_pull_does_not_depend_on_what_drives_the_lens() {
 
 /// Tops that are equivalent under a symmetry of the lattice detach together.
 #[test]
-fn symmetric_cases_let_go_in_symmetric_order() {
-    let cycle = cycle(&sticky(0.03, 0.0, 0.02), CyclePlan::default());
+fn symmetric_cases_detach_in_symmetric_order() {
+    let cycle = cycle(&adhesive(0.03, 0.0, 0.02), CyclePlan::default());
     let mut cascades: BTreeMap<u64, Vec<(i64, i64, u64)>> = BTreeMap::new();
     for event in &cycle.events {
         let Some(pillar) = event.pillar else { continue };
@@ -300,7 +300,7 @@ fn turned_and_mirrored_copies_pull_alike() {
 /// The results of `press` and `transition` are states of the cycle.
 #[test]
 fn states_on_loading_are_those_of_the_cycle() {
-    let system = sticky(0.03, 0.3, 0.01);
+    let system = adhesive(0.03, 0.3, 0.01);
     let run = Run::default();
     let cycle = cycle(&system, CyclePlan::default());
     let critical = fakir::transition(&system, Method::default(), &run).unwrap();
@@ -335,8 +335,8 @@ fn states_on_loading_are_those_of_the_cycle() {
 }
 
 #[test]
-fn who_holds_is_told_at_every_station() {
-    let cycle = cycle(&sticky(0.03, 0.3, 0.01), CyclePlan::default());
+fn attached_pillars_are_available_at_every_load_step() {
+    let cycle = cycle(&adhesive(0.03, 0.3, 0.01), CyclePlan::default());
     for (number, station) in cycle.stations.iter().enumerate() {
         let held = cycle.holding(number);
         let partly = held.iter().filter(|pillar| pillar.covered < 1.0).count();
@@ -370,8 +370,8 @@ fn who_holds_is_told_at_every_station() {
 }
 
 #[test]
-fn cycles_turn_where_they_are_told_to() {
-    let system = sticky(0.03, 0.0, 0.05);
+fn cycles_have_the_given_unloading_point() {
+    let system = adhesive(0.03, 0.0, 0.05);
     let turned = |turn| {
         let plan = CyclePlan {
             turn,
@@ -402,7 +402,7 @@ fn cycles_turn_where_they_are_told_to() {
 
 #[test]
 fn what_cannot_be_is_refused_with_what_would_be_right() {
-    let system = sticky(0.03, 0.0, 0.0);
+    let system = adhesive(0.03, 0.0, 0.0);
     let refused = |adhesion: Adhesion| system.with_adhesion(adhesion).unwrap_err();
     let negative = refused(Adhesion::new(-0.05));
     assert_eq!(negative.quantity, Quantity::WorkOfAdhesion);
@@ -423,7 +423,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
     assert_eq!(below.quantity, Quantity::RecedingWorkOfAdhesion);
     assert!(below.to_string().contains("at least the work of adhesion"));
 
-    let sticky = system.with_adhesion(Adhesion::new(0.05)).unwrap();
+    let adhesive = system.with_adhesion(Adhesion::new(0.05)).unwrap();
     let run = Run::default();
     for method in [
         Method::Punch(PunchForm::Corrected),
@@ -431,15 +431,15 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
         Method::Homogenised,
     ] {
         for error in [
-            fakir::press(&sticky, Load::Force(1e-5), method, &run).unwrap_err(),
-            fakir::transition(&sticky, method, &run).unwrap_err(),
-            fakir::cycle(&sticky, CyclePlan::default(), method, &run).unwrap_err(),
+            fakir::press(&adhesive, Load::Force(1e-5), method, &run).unwrap_err(),
+            fakir::transition(&adhesive, method, &run).unwrap_err(),
+            fakir::cycle(&adhesive, CyclePlan::default(), method, &run).unwrap_err(),
         ] {
             assert!(matches!(error, SolveError::Unsupported(_)));
             assert!(error.to_string().contains("the spectral method"));
         }
     }
-    assert!(fakir::verify(&sticky, Load::FloorContact, ElementMesh::default(), &run).is_err());
+    assert!(fakir::verify(&adhesive, Load::FloorContact, ElementMesh::default(), &run).is_err());
     for (plan, quantity) in [
         (UnloadingPoint::Critical(1.5), Quantity::CriticalPart),
         (UnloadingPoint::Critical(0.0), Quantity::CriticalPart),
@@ -461,7 +461,7 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
         },
         Quantity::MachineStiffness,
     )]) {
-        let error = fakir::cycle(&sticky, plan, Method::default(), &run).unwrap_err();
+        let error = fakir::cycle(&adhesive, plan, Method::default(), &run).unwrap_err();
         let SolveError::InvalidQuantity(error) = error else {
             panic!("{error}");
         };
@@ -470,9 +470,9 @@ fn what_cannot_be_is_refused_with_what_would_be_right() {
 }
 
 #[test]
-fn limits_of_the_model_are_told() {
+fn limits_of_the_model_are_reported() {
     // Kendall's stress divided by the modulus: 0.119 for 50 mJ/m^2 on 2 MPa, and 5.3 on 2 kPa, where the lens is softer than the pillars.
-    let within = cycle(&sticky(0.01, 0.0, 0.05), CyclePlan::default());
+    let within = cycle(&adhesive(0.01, 0.0, 0.05), CyclePlan::default());
     let limits = within.limits(Some(1e-9));
     let names: Vec<&str> = limits.iter().map(|limit| limit.name).collect();
     assert_eq!(names, ["kendall_strain", "slope", "tabor_number"]);
@@ -490,20 +490,24 @@ fn limits_of_the_model_are_told() {
 }
 
 #[test]
-fn cycles_tell_how_far_they_are_and_stop_when_told() {
-    let system = sticky(0.03, 0.0, 0.05);
-    let told = Mutex::new(Vec::new());
-    let listener = |progress: Progress| told.lock().unwrap().push(progress);
+fn cycles_report_progress_and_can_be_cancelled() {
+    let system = adhesive(0.03, 0.0, 0.05);
+    let reports = Mutex::new(Vec::new());
+    let listener = |progress: Progress| reports.lock().unwrap().push(progress);
     let run = Run {
         progress: Some(&listener),
         ..Run::default()
     };
     let cycle = fakir::cycle(&system, CyclePlan::default(), Method::default(), &run).unwrap();
     assert_eq!(cycle.termination, Termination::Converged);
-    let told = told.into_inner().unwrap();
-    assert!(told.iter().all(|progress| progress.stage == Stage::Cycle));
-    assert_eq!(told.last().unwrap().touched, 0);
-    assert!(told.iter().map(|progress| progress.touched).max() >= Some(55));
+    let reports = reports.into_inner().unwrap();
+    assert!(
+        reports
+            .iter()
+            .all(|progress| progress.stage == Stage::Cycle)
+    );
+    assert_eq!(reports.last().unwrap().touched, 0);
+    assert!(reports.iter().map(|progress| progress.touched).max() >= Some(55));
     let cancel = CancelToken::default();
     let stopper = |progress: Progress| {
         if progress.step > 30 {
@@ -522,7 +526,7 @@ fn cycles_tell_how_far_they_are_and_stop_when_told() {
 /// The accurate cycle has two more degrees.
 #[test]
 fn default_and_accurate_cycles_agree_within_what_they_claim() {
-    let system = sticky(0.03, 0.3, 0.02);
+    let system = adhesive(0.03, 0.3, 0.02);
     let [default, accurate] = [Accuracy::Default, Accuracy::Accurate].map(|accuracy| {
         let method = Method::Spectral(accuracy);
         fakir::cycle(&system, CyclePlan::default(), method, &Run::default()).unwrap()
@@ -539,9 +543,9 @@ fn default_and_accurate_cycles_agree_within_what_they_claim() {
 /// Pressures add up to the forces of the pillars, including pillars in tension and partially bonded tops; outside the contact the pressure
 /// is zero.
 #[test]
-fn pressures_pull_where_tops_are_held() {
+fn pressure_is_tensile_in_bonded_regions() {
     // Lowered by a hundredth of the height after the snap: the outer tops are in tension.
-    let system = sticky(0.03, 0.3, 0.003);
+    let system = adhesive(0.03, 0.3, 0.003);
     let control = Load::Indentation(2.5e-6);
     let state = fakir::press(&system, control, Method::default(), &Run::default()).unwrap();
     let fields = state.fields.as_ref().unwrap();
@@ -585,23 +589,24 @@ fn pressures_pull_where_tops_are_held() {
 /// contact have the areas of the events; polygons with this number of corners are smaller than the circle by a few parts in a thousand.
 #[test]
 fn a_cycle_can_be_followed_station_by_station() {
-    let system = sticky(0.03, 0.3, 0.01);
-    let told = Mutex::new(Vec::new());
+    let system = adhesive(0.03, 0.3, 0.01);
+    let passed = Mutex::new(Vec::new());
     let follower = |passage: &fakir::state::Passage<'_>| {
         let every_fifth = passage.place.is_multiple_of(5);
         let held = every_fifth.then(|| passage.held());
-        told.lock()
+        passed
+            .lock()
             .unwrap()
             .push((passage.place, passage.station, held));
     };
     let plan = CyclePlan::default();
     let followed =
         fakir::follow_cycle(&system, plan, Method::default(), &Run::default(), &follower).unwrap();
-    let told = told.into_inner().unwrap();
+    let passed = passed.into_inner().unwrap();
     // The first load step is before the first contact.
-    assert_eq!(told.len() + 1, followed.stations.len());
+    assert_eq!(passed.len() + 1, followed.stations.len());
     let mut partly = 0;
-    for (place, station, held) in &told {
+    for (place, station, held) in &passed {
         let expected = &followed.stations[*place];
         assert_eq!(station.force.to_bits(), expected.force.to_bits());
         assert_eq!(
@@ -644,7 +649,7 @@ fn a_cycle_can_be_followed_station_by_station() {
 }
 
 /// The paper's intermediate system with another arrangement.
-fn sticky_on(
+fn adhesive_on(
     arrangement: impl Into<fakir::problem::Arrangement>,
     compliance: PillarCompliance,
     work: f64,
@@ -662,7 +667,7 @@ fn sticky_on(
 #[test]
 fn the_same_lattice_in_other_words_pulls_alike() {
     let lattice = paper_lattice(0.03, 0.3);
-    let hexagonal = sticky(0.03, 0.3, 0.01);
+    let hexagonal = adhesive(0.03, 0.3, 0.01);
     let pitch = lattice.pitch;
     // Relative to the paper's x axis, the oblique rows are at 30 degrees.
     let oblique = PlaneLattice {
@@ -685,8 +690,8 @@ fn the_same_lattice_in_other_words_pulls_alike() {
     let column = PillarCompliance::Column;
     let expected = cycle(&hexagonal, CyclePlan::default());
     for system in [
-        sticky_on(oblique, column, 0.01),
-        sticky_on(list, column, 0.01),
+        adhesive_on(oblique, column, 0.01),
+        adhesive_on(list, column, 0.01),
     ] {
         let found = cycle(&system, CyclePlan::default());
         let critical = |cycle: &Cycle| {
@@ -710,7 +715,7 @@ fn the_same_lattice_in_other_words_pulls_alike() {
         assert!(found.certificate().unwrap() < 1e-4);
     }
     // The contact rotates with the lattice: the pressure is that of the unrotated one.
-    let turned = cycle(&sticky_on(oblique, column, 0.01), CyclePlan::default());
+    let turned = cycle(&adhesive_on(oblique, column, 0.01), CyclePlan::default());
     let [straight, turned] = [&expected, &turned].map(|it| &it.pull_off.as_ref().unwrap().pillars);
     for (one, other) in straight.iter().zip(turned) {
         let [x, y] = one.centre.map(|x| x / pitch);
@@ -744,7 +749,7 @@ fn square_lattices_pull_alike_however_they_are_driven() {
         ..whole
     };
     for lattice in [whole, gappy] {
-        let system = sticky_on(lattice, PillarCompliance::Column, 0.02);
+        let system = adhesive_on(lattice, PillarCompliance::Column, 0.02);
         let stiffness = system.reduced_modulus() * 3e-6;
         let drives = [
             LoadingMode::Displacement,
@@ -778,7 +783,7 @@ fn square_lattices_pull_alike_however_they_are_driven() {
 
 /// Pillars that are all higher than the common height by the same amount detach earlier by this amount, at the same pull-off force.
 #[test]
-fn heights_shift_what_sticks() {
+fn heights_shift_adhesion() {
     let lattice = paper_lattice(0.03, 0.3);
     let of_paper = paper_system(lattice, INTERMEDIATE, PillarCompliance::None);
     let placed = of_paper.pillars_within(200e-6);
@@ -789,7 +794,7 @@ fn heights_shift_what_sticks() {
             diameter: p.diameter,
         };
         let list = placed.iter().enumerate().map(pillar).collect();
-        sticky_on(
+        adhesive_on(
             PillarList::new(list).expect("pillars that do not overlap"),
             PillarCompliance::None,
             0.01,
@@ -810,7 +815,10 @@ fn heights_shift_what_sticks() {
             diameter: p.diameter,
         });
         let list = PillarList::new(pillars.collect()).expect("pillars that do not overlap");
-        cycle(&sticky_on(list, PillarCompliance::None, 0.01), turn(1.3e-6))
+        cycle(
+            &adhesive_on(list, PillarCompliance::None, 0.01),
+            turn(1.3e-6),
+        )
     };
     assert!((pull_off(&all_higher) / pull_off(&level) - 1.0).abs() < 1e-9);
     let earlier = level.separation.unwrap() - all_higher.separation.unwrap();
@@ -826,7 +834,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
         diameter: 6e-6,
     };
     let list = PillarList::new(vec![pillar]).unwrap();
-    let of_paper = sticky_on(list, PillarCompliance::Column, 0.05);
+    let of_paper = adhesive_on(list, PillarCompliance::Column, 0.05);
     let lens = Lens {
         radius: 22.0,
         material: Material::new(2e6, 0.5),
@@ -1040,7 +1048,7 @@ fn arrays_on_films_pull_as_on_half_spaces_where_the_film_is_thick() {
 
 /// Fronts are available for tops of equal size on equal columns only.
 #[test]
-fn tops_that_differ_do_not_stick_yet() {
+fn adhesion_of_different_tops_is_not_supported() {
     let refused = |system: &System| {
         let cycle = fakir::cycle(
             system,
@@ -1058,8 +1066,8 @@ fn tops_that_differ_do_not_stick_yet() {
         diameter,
     };
     let list = PillarList::new(vec![pillar(0.0, 6e-6), pillar(20e-6, 8e-6)]).unwrap();
-    let told = refused(&sticky_on(list, PillarCompliance::Column, 0.05));
-    assert!(told.contains("diameters"), "{told}");
+    let message = refused(&adhesive_on(list, PillarCompliance::Column, 0.05));
+    assert!(message.contains("diameters"), "{message}");
     let scattered = PlaneLattice {
         disorder: Disorder {
             heights: Scatter::normal(0.05, 0),
@@ -1067,6 +1075,6 @@ fn tops_that_differ_do_not_stick_yet() {
         },
         ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
     };
-    let told = refused(&sticky_on(scattered, PillarCompliance::Column, 0.05));
-    assert!(told.contains("columns"), "{told}");
+    let message = refused(&adhesive_on(scattered, PillarCompliance::Column, 0.05));
+    assert!(message.contains("columns"), "{message}");
 }

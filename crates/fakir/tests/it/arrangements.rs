@@ -375,7 +375,7 @@ fn finite_arrays_are_solved_under_lenses_as_flat_as_plates() {
 }
 
 #[test]
-fn what_is_made_for_the_lattice_of_the_paper_says_so() {
+fn features_for_the_lattice_of_the_paper_only_refuse_others() {
     let system = system(PlaneLattice::new(form_of(0.03)));
     let refused =
         |error: SolveError| error == SolveError::Unsupported(Unsupported::BUT_FOR_THE_LATTICE);

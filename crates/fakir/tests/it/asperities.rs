@@ -478,22 +478,22 @@ fn heights_of(asperities: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
 
 #[test]
 fn seven_caps_are_those_of_elements() {
-    check_by_elements(seven(30.0), f64::INFINITY, 42.0, 1e-5);
+    check_with_boundary_elements(seven(30.0), f64::INFINITY, 42.0, 1e-5);
 }
 
 #[test]
 fn random_caps_are_those_of_elements() {
-    check_by_elements(random_seven(), f64::INFINITY, 46.0, 6e-5);
+    check_with_boundary_elements(random_seven(), f64::INFINITY, 46.0, 6e-5);
 }
 
 #[test]
 fn ovals_are_those_of_elements() {
     // The other program also differs from elements by 4.1e-4.
-    check_by_elements(seven(24.0), 400.0, 50.0, 5e-4);
+    check_with_boundary_elements(seven(24.0), 400.0, 50.0, 5e-4);
 }
 
 /// The error of elements on each isolated asperity is subtracted: the cells have the same positions on each.
-fn check_by_elements(
+fn check_with_boundary_elements(
     mut asperities: Vec<(Point, f64, f64)>,
     radius: f64,
     half: f64,
@@ -523,7 +523,7 @@ fn check_by_elements(
     let estimate = contact.error.expect("an estimate");
     let error = found[0] / (1.0 + bias[0]) / (contact.force / FORCE) - 1.0;
     let of_area = found[1] / (1.0 + bias[1]) / (contact.area / FORCE) - 1.0;
-    println!("by elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
+    println!("with boundary elements {error:.2e} {of_area:.2e}, alone {bias:?}, {estimate:?}");
     assert!(error.abs() < tolerance, "{error}");
     assert!(error.abs() < estimate.force + 3e-5, "{error} {estimate:?}");
     // Each cell is either in contact or not.
@@ -602,7 +602,7 @@ fn a_contact_that_leans_on_its_rim() {
 }
 
 #[test]
-fn what_cannot_be_answered_says_why() {
+fn refusals_state_the_reason() {
     let run = Run::default();
     let ask = |field: &AsperityArray, control: Load, run: &Run<'_>| {
         field.press(control, Accuracy::Default, run).unwrap_err()

@@ -17,7 +17,7 @@ struct Choice {
     arrangement: usize,
     film: bool,
     elastic: bool,
-    sticks: usize,
+    adhesion: usize,
 }
 
 /// Numbers of lenses, arrangements and works of adhesion.
@@ -31,7 +31,7 @@ impl Choice {
         arrangement: 0,
         film: false,
         elastic: false,
-        sticks: 0,
+        adhesion: 0,
     };
 
     /// Choices that differ from the default in one or two properties.
@@ -45,7 +45,10 @@ impl Choice {
                     arrangement,
                     ..*choice
                 }));
-                more.extend((1..WORKS).map(|sticks| Self { sticks, ..*choice }));
+                more.extend((1..WORKS).map(|adhesion| Self {
+                    adhesion,
+                    ..*choice
+                }));
                 more.push(Self {
                     film: true,
                     ..*choice
@@ -115,7 +118,7 @@ impl Choice {
         let lens = ShapedLens::new(shape, rubber);
         let system = System::new(lens, rubber, PillarPattern::new(pillar, arrangement)).ok()?;
         let system = system.with_layers(self.film.then(|| Layer::new(0.1e-3)), None);
-        let adhesion = match self.sticks {
+        let adhesion = match self.adhesion {
             0 => return system.ok(),
             1 => Adhesion::new(5e-3),
             _ => Adhesion {
@@ -145,14 +148,14 @@ fn check(
     method: Method,
     ask: impl FnOnce() -> Result<(), SolveError>,
 ) {
-    let said = question.check(Solver::from(method), &Feature::of(system));
+    let checked = question.check(Solver::from(method), &Feature::of(system));
     let found = match ask() {
         Err(SolveError::Unsupported(unsupported)) => Err(unsupported),
         // Other errors, such as a load without contact, depend on the state.
         _ => Ok(()),
     };
     assert_eq!(
-        said,
+        checked,
         found,
         "{question:?} {method:?} {:?}",
         Feature::of(system)
@@ -160,7 +163,7 @@ fn check(
 }
 
 #[test]
-fn the_table_says_what_is_answered() {
+fn the_table_lists_what_is_supported() {
     let run = Run::default();
     let load = Load::Indentation(0.15e-6);
     let mut answered = 0;

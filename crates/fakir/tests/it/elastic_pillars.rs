@@ -154,7 +154,7 @@ fn critical_forces_are_those_of_finite_elements() {
 /// Two distant pillars with different heights and diameters, under a plate: `F = sum 2 E* a zeta/(1 + kappa_eff)` (Johnson, Contact
 /// Mechanics, eq. 3.36), each with its own `kappa_eff`; their interaction over 3000 radii is 2e-4.
 #[test]
-fn listed_pillars_give_way_by_their_own_height_and_diameter() {
+fn listed_pillars_have_the_compliance_of_their_own_height_and_diameter() {
     let listed = [(3.0e-6, 6.0e-6), (3.2e-6, 2.0e-6)];
     let pillars = listed.iter().zip([-1.0, 1.0]);
     let pillars: Vec<ListedPillar> = pillars
@@ -345,7 +345,7 @@ fn derivatives_are_those_of_differences() {
 }
 
 #[test]
-fn what_is_not_known_of_elastic_pillars_is_refused() {
+fn unsupported_questions_on_elastic_pillars_are_refused() {
     let of = |height: f64, ratio: f64| {
         let pillar = Pillar {
             height,

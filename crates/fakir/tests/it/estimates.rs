@@ -143,7 +143,7 @@ fn a_touch_that_only_the_whole_lens_shape_shows() {
 }
 
 #[test]
-fn slivers_beside_a_pillar_in_a_dense_pattern() {
+fn narrow_contacts_beside_a_pillar_in_a_dense_pattern() {
     // A pillar and narrow contacts at the rims of its six close neighbours. The effect of neighbours on a narrow contact through modes
     // beyond the degree of the coupling was not included in the estimate: the default accuracy estimated an error of 5.9e-5 of the
     // indentation and differed by 2.4e-4 from the accurate one.

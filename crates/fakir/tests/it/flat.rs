@@ -6,7 +6,7 @@ use fakir::problem::{
 };
 use fakir::state::{Branch, FlatContact, Run, SolveError};
 use fakir::theory::adhesion::{
-    kendall_pull_off, sphere_pull_off_by_displacement, sphere_pull_off_by_force, sticky_sphere,
+    adhesive_sphere, kendall_pull_off, sphere_pull_off_by_displacement, sphere_pull_off_by_force,
 };
 use fakir::theory::layer::Layers;
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ fn paraboloid() -> FlatSystem {
     FlatSystem::new(lens, RUBBER).unwrap()
 }
 
-fn sticky(system: FlatSystem) -> FlatSystem {
+fn adhesive(system: FlatSystem) -> FlatSystem {
     system.with_adhesion(Adhesion::new(WORK)).unwrap()
 }
 
@@ -140,13 +140,13 @@ fn a_table_of_heights_is_its_lens() {
     );
 }
 
-/// Johnson, Kendall and Roberts (1971): [`sticky_sphere`] has their closed form.
+/// Johnson, Kendall and Roberts (1971): [`adhesive_sphere`] has their closed form.
 #[test]
 fn adhesive_contacts_are_jkr() {
-    let system = sticky(paraboloid());
+    let system = adhesive(paraboloid());
     let modulus = system.reduced_modulus();
     for radius in [60e-6, 100e-6, 300e-6] {
-        let jkr = sticky_sphere(modulus, RADIUS, WORK, radius);
+        let jkr = adhesive_sphere(modulus, RADIUS, WORK, radius);
         if jkr.indentation > 0.0 {
             let contact = pressed(&system, Load::Indentation(jkr.indentation));
             close(contact.contact_radius, radius, 1e-10);
@@ -158,7 +158,7 @@ fn adhesive_contacts_are_jkr() {
             close(contact.indentation, jkr.indentation, 1e-9);
             // The stiffness is the slope of the curve.
             let [low, high] =
-                [0.9999, 1.0001].map(|part| sticky_sphere(modulus, RADIUS, WORK, part * radius));
+                [0.9999, 1.0001].map(|part| adhesive_sphere(modulus, RADIUS, WORK, part * radius));
             let slope = (high.force - low.force) / (high.indentation - low.indentation);
             close(contact.stiffness, slope, 1e-6);
         }
@@ -181,10 +181,10 @@ fn plan(turn: f64, drive: LoadingMode) -> CyclePlan {
     }
 }
 
-/// Pull-off and detachment of JKR's sphere, and the loop area: the unloading from first touch to detachment, as the rest is gone through twice.
+/// Pull-off and detachment of JKR's sphere, and the loop area: the unloading from first touch to detachment, as the rest is traversed twice.
 #[test]
 fn a_cycle_ends_as_jkr_has_it() {
-    let system = sticky(paraboloid());
+    let system = adhesive(paraboloid());
     let modulus = system.reduced_modulus();
     let run = Run::default();
     let cycle = system
@@ -203,7 +203,7 @@ fn a_cycle_ends_as_jkr_has_it() {
     let steps = 20_000;
     let curve: Vec<_> = (0..=steps)
         .map(|k| {
-            sticky_sphere(
+            adhesive_sphere(
                 modulus,
                 RADIUS,
                 WORK,
@@ -280,7 +280,7 @@ fn the_rim_stays_until_the_receding_work_is_reached() {
     close(pull.contact_radius, early.jump.contact_radius, 1e-12);
     assert!(pull.force > -1.5 * PI * 4.0 * WORK * RADIUS);
     let none = paraboloid().cycle(&plan(1e-6, LoadingMode::Displacement), &Run::default());
-    assert!(matches!(none, Err(SolveError::NothingSticks)));
+    assert!(matches!(none, Err(SolveError::NoAdhesion)));
 }
 
 /// F = 2 E* a zeta, and K. Kendall, J. Phys. D 4, 1186 (1971): -sqrt(8 pi w E* a^3).
@@ -301,7 +301,7 @@ fn a_punch_is_boussinesq_and_kendall() {
         1e-3 / (2.0 * modulus * radius),
         1e-12,
     );
-    let cycle = sticky(system)
+    let cycle = adhesive(system)
         .cycle(&plan(1e-6, LoadingMode::Displacement), &Run::default())
         .unwrap();
     let pull = kendall_pull_off(modulus, radius, WORK);
@@ -389,7 +389,7 @@ fn a_punch_on_a_film_detaches_by_its_compliance() {
     let step = 1e-3 * radius;
     let at = |steps: f64| compliance(radius + steps * step);
     let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / (12.0 * step);
-    let cycle = sticky(system(radius))
+    let cycle = adhesive(system(radius))
         .cycle(&plan(1e-6, LoadingMode::Displacement), &Run::default())
         .unwrap();
     let force = cycle.pull_off.unwrap().force;
@@ -419,10 +419,10 @@ fn contacts_scale() {
     close(other.contact_radius, one.contact_radius * k, 1e-9);
 }
 
-/// The pressure integrates to the force, with adhesion and layers; near the rim it goes to minus infinity as an inverse root.
+/// The pressure integrates to the force, with adhesion and layers; near the rim it tends to minus infinity as an inverse root.
 #[test]
 fn the_pressure_carries_the_force() {
-    let system = sticky(paraboloid())
+    let system = adhesive(paraboloid())
         .with_layers(Some(Layer::new(200e-6)), None)
         .unwrap();
     let contact = pressed(&system, Load::Indentation(10e-6));
@@ -459,7 +459,7 @@ fn loads_that_cannot_be_are_refused() {
     ));
     let none = pressed(&system, Load::Force(0.0));
     assert!(none.force.abs() < 1e-300 && none.contact_radius.abs() < 1e-300);
-    let cycle = sticky(sphere(RUBBER)).cycle(&CyclePlan::default(), &run);
+    let cycle = adhesive(sphere(RUBBER)).cycle(&CyclePlan::default(), &run);
     assert!(matches!(cycle, Err(SolveError::NoFloor)));
     let wide = FlatSystem::punch(1e-3, GLASS, RUBBER)
         .unwrap()

@@ -10,7 +10,7 @@ use fakir::problem::{
 };
 use fakir::state::{ContactState, Cycle, PillarStatus, Run, Solution, Termination};
 use fakir::theory::adhesion::{
-    StickySphere, sphere_pull_off_by_force, sticky_sphere, sticky_sphere_at_indentation,
+    AdhesiveSphere, adhesive_sphere, adhesive_sphere_at_indentation, sphere_pull_off_by_force,
 };
 use fakir::theory::layer::Layers;
 
@@ -42,7 +42,7 @@ const RUBBER: Material = Material {
     poisson_ratio: 0.5,
 };
 
-fn sticky(diameter: f64, work: f64, centre: [f64; 2]) -> System {
+fn adhesive(diameter: f64, work: f64, centre: [f64; 2]) -> System {
     let lens = Lens {
         radius: LENS,
         material: Material::new(70e9, 0.2),
@@ -64,13 +64,13 @@ fn cycle(system: &System, depth: f64, drive: LoadingMode) -> Cycle {
 
 /// The contact at an indentation during loading: JKR inside the top, and pinned at the rim beyond. The lens is approximated by a
 /// paraboloid.
-fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> StickySphere {
-    let rim = sticky_sphere(modulus, LENS, work, radius);
+fn exact(modulus: f64, work: f64, radius: f64, indentation: f64) -> AdhesiveSphere {
+    let rim = adhesive_sphere(modulus, LENS, work, radius);
     if indentation <= rim.indentation {
-        let inside = sticky_sphere_at_indentation(modulus, LENS, work, indentation).unwrap();
+        let inside = adhesive_sphere_at_indentation(modulus, LENS, work, indentation).unwrap();
         return inside.unwrap();
     }
-    StickySphere {
+    AdhesiveSphere {
         force: rim.force + 2.0 * radius * modulus * (indentation - rim.indentation),
         ..rim
     }
@@ -82,13 +82,13 @@ fn a_top_wider_than_an_adhesive_contact() {
     let mut random = ChaCha8Rng::seed_from_u64(44);
     for number in 0..100 {
         let work = between(&mut random, [1e-4, 0.2]);
-        let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+        let modulus = adhesive(1e-6, work, [0.0; 2]).reduced_modulus();
         let natural = sphere_pull_off_by_force(modulus, LENS, work).radius;
         let radius = natural * between(&mut random, [0.01, 20.0]);
         if radius > 0.02 * LENS {
             continue;
         }
-        let system = sticky(2.0 * radius, work, [0.0; 2]);
+        let system = adhesive(2.0 * radius, work, [0.0; 2]);
         let depth = natural * natural / LENS * between(&mut random, [0.05, 20.0]);
         let depth = depth.min(0.05 * radius);
         let expected = exact(modulus, work, radius, depth);
@@ -115,11 +115,11 @@ fn a_top_wider_than_an_adhesive_contact() {
 fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
     let work = 50e-3;
     for diameter in [20e-6, 60e-6, 100e-6, 160e-6, 200e-6, 300e-6, 1e-3] {
-        let system = sticky(diameter, work, [0.0; 2]);
+        let system = adhesive(diameter, work, [0.0; 2]);
         let modulus = system.reduced_modulus();
         let natural = sphere_pull_off_by_force(modulus, LENS, work);
         let radius = (0.5 * diameter).min(natural.radius);
-        let expected = sticky_sphere(modulus, LENS, work, radius).force;
+        let expected = adhesive_sphere(modulus, LENS, work, radius).force;
         for drive in [
             LoadingMode::Displacement,
             LoadingMode::Force,
@@ -137,7 +137,7 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
         assert!(certificate < 1e-2, "{diameter:e}: {certificate:e}");
         // The last contact is that from which a sphere detaches at this indentation, unless the rim detaches earlier.
         let last = (0.5 * diameter).min(natural.radius / 9f64.cbrt());
-        let expected = sticky_sphere(modulus, LENS, work, last).indentation;
+        let expected = adhesive_sphere(modulus, LENS, work, last).indentation;
         let separation = cycle.separation.unwrap();
         assert!((separation / expected - 1.0).abs() < 1e-3, "{diameter:e}");
     }
@@ -147,13 +147,13 @@ fn the_pull_off_of_a_wide_top_is_that_of_a_sphere() {
 #[test]
 fn the_diameter_may_pass_the_contact() {
     let work = 10e-3;
-    let modulus = sticky(1e-6, work, [0.0; 2]).reduced_modulus();
+    let modulus = adhesive(1e-6, work, [0.0; 2]).reduced_modulus();
     let depth = 0.2e-6;
-    let contact = sticky_sphere_at_indentation(modulus, LENS, work, depth)
+    let contact = adhesive_sphere_at_indentation(modulus, LENS, work, depth)
         .unwrap()
         .unwrap();
     let force = |part: f64| {
-        let system = sticky(2.0 * part * contact.radius, work, [0.0; 2]);
+        let system = adhesive(2.0 * part * contact.radius, work, [0.0; 2]);
         let control = Load::Indentation(depth);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
@@ -177,7 +177,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     let (work, depth) = (10e-3, 0.2e-6);
     let pressed = |centre| {
         let control = Load::Indentation(depth);
-        let system = sticky(400e-6, work, centre);
+        let system = adhesive(400e-6, work, centre);
         fakir::press(&system, control, Method::default(), &Run::default()).unwrap()
     };
     let [middle, beside] = [[0.0; 2], [60e-6, -50e-6]].map(pressed);
@@ -185,7 +185,7 @@ fn an_adhesive_contact_anywhere_inside_a_top() {
     let centre = beside.fields.as_ref().unwrap();
     let expected = middle.fields.as_ref().unwrap().pressure([0.0; 2]);
     assert!((centre.pressure([0.0; 2]) / expected - 1.0).abs() < 1e-6);
-    let system = sticky(400e-6, work, [60e-6, -50e-6]);
+    let system = adhesive(400e-6, work, [60e-6, -50e-6]);
     let cycle = cycle(&system, depth, LoadingMode::Displacement);
     let pull = cycle.pull_off.as_ref().unwrap().force;
     let expected = sphere_pull_off_by_force(system.reduced_modulus(), LENS, work).force;
@@ -200,12 +200,12 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
         work_receding: Some(receding),
         ..Adhesion::new(advancing)
     };
-    let system = sticky(600e-6, advancing, [0.0; 2])
+    let system = adhesive(600e-6, advancing, [0.0; 2])
         .with_adhesion(adhesion)
         .unwrap();
     let modulus = system.reduced_modulus();
     let cycle = cycle(&system, depth, LoadingMode::Displacement);
-    let turn = sticky_sphere_at_indentation(modulus, LENS, advancing, depth)
+    let turn = adhesive_sphere_at_indentation(modulus, LENS, advancing, depth)
         .unwrap()
         .unwrap();
     let off = (cycle.turn.force / turn.force - 1.0).abs();
@@ -213,7 +213,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
     // Pinned at the largest radius, if this is smaller than that of the free pull-off, until it detaches.
     let natural = sphere_pull_off_by_force(modulus, LENS, receding);
     let radius = turn.radius.min(natural.radius);
-    let expected = sticky_sphere(modulus, LENS, receding, radius).force;
+    let expected = adhesive_sphere(modulus, LENS, receding, radius).force;
     let pull = cycle.pull_off.as_ref().unwrap().force;
     assert!((pull / expected - 1.0).abs() < 1e-3, "{pull} {expected}");
     assert!(cycle.certificate().unwrap() < 1e-2);
@@ -222,7 +222,7 @@ fn a_contact_inside_a_top_is_pinned_where_the_works_differ() {
 /// A lens axis at such a distance from the centre of the top, in its radii, that the disc first reaches the rim on one side. From there on
 /// there are fronts.
 fn beside(part: f64, work: f64) -> System {
-    sticky(2.0 * TOP, work, [part * TOP, 0.0])
+    adhesive(2.0 * TOP, work, [part * TOP, 0.0])
 }
 
 const TOP: f64 = 30e-6;
@@ -269,14 +269,14 @@ fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
 
 /// At the rim the force is still that of the disc (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)).
 #[test]
-fn a_sticking_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
+fn an_adhesive_disc_that_reaches_the_rim_on_one_side_states_its_error() {
     let run = Run::default();
     let mut answers = 0;
     for work in [1e-5, 3e-4, 1e-3, 5e-3] {
         for part in [0.1, 0.2, 0.4, 0.6, 0.8, 0.9] {
             let system = beside(part, work);
             let modulus = system.reduced_modulus();
-            let at_rim = sticky_sphere(modulus, LENS, work, (1.0 - part) * TOP);
+            let at_rim = adhesive_sphere(modulus, LENS, work, (1.0 - part) * TOP);
             if at_rim.indentation <= 0.0 {
                 continue;
             }

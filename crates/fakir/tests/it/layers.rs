@@ -356,7 +356,7 @@ fn caps_are_softer_than_flat_layers() {
 }
 
 #[test]
-fn what_layers_leave_out_is_said() {
+fn neglected_effects_of_layers_are_reported() {
     // An asperity of 1 mm under a radius of 2.2 mm: q = 9.1 % of the shift (LAYER.md), 0.2 % of zeta at a surface fraction of 0.03.
     let lens = layered(0.03, 0.0, None, Some(Layer::new(1e-3)));
     let state = transition(&lens, Accuracy::Default);
@@ -374,9 +374,12 @@ fn what_layers_leave_out_is_said() {
         &layered(0.01, 0.0, Some(Layer::new(6e-6)), None),
         Accuracy::Default,
     );
-    let said = |is: fn(&Warning) -> bool| thin.warnings.iter().any(is);
-    assert!(said(|warning| matches!(warning, Warning::ThinLayer { .. })));
-    assert!(said(|warning| matches!(
+    let has_warning = |is: fn(&Warning) -> bool| thin.warnings.iter().any(is);
+    assert!(has_warning(|warning| matches!(
+        warning,
+        Warning::ThinLayer { .. }
+    )));
+    assert!(has_warning(|warning| matches!(
         warning,
         Warning::LayerStrain { .. }
     )));
@@ -694,7 +697,7 @@ fn elements_agree_on_seven_pillars() {
 }
 
 #[test]
-#[ignore = "slow: 32 cells per diameter, whose error is as small as is said, and thicker films"]
+#[ignore = "slow: 32 cells per diameter, whose error is within the estimate, and thicker films"]
 fn fine_elements_agree_on_seven_pillars() {
     for pitch in [7.0, 20.0] {
         for thickness in [60.0, 12.0, 4.0] {
@@ -919,13 +922,13 @@ fn assert_floor_of_elements(system: &System, times: f64) {
 }
 
 #[test]
-fn the_floor_takes_load_as_elements_say() {
+fn the_load_of_the_floor_agrees_with_boundary_elements() {
     assert_floor_of_elements(&listed(&hexagon(20.0)[..3], 12.0), 1.5);
 }
 
 #[test]
 #[ignore = "slow: lattices, two layers, and seven pillars"]
-fn the_floor_under_more_pillars_takes_load_as_elements_say() {
+fn the_load_of_the_floor_under_more_pillars_agrees_with_boundary_elements() {
     let [thin, film] = [12e-6, 60e-6].map(|thickness| Some(Layer::new(thickness)));
     let lens = Some(Layer {
         thickness: 100e-6,

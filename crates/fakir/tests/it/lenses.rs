@@ -591,7 +591,7 @@ fn turning_all_changes_nothing() {
 /// Independent comparison: elements have the same gap as a plate above tops that are lowered by the lens shape. The error of the cells on a
 /// disc is divided out with the force under a level plate.
 #[test]
-fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
+fn boundary_elements_agree_for_a_cylinder_and_a_tilted_plate() {
     let places: Vec<Point> = [[0.0, 3.0], [15.0, -4.5], [-13.5, 1.5], [3.0, 16.5]]
         .map(|place| place.map(|x| 1e-6 * x))
         .to_vec();
@@ -635,7 +635,7 @@ fn elements_say_the_same_of_a_cylinder_and_a_tilted_plate() {
 
 /// Compares derivatives with central differences.
 #[test]
-fn gradients_know_the_shape() {
+fn gradients_include_the_shape() {
     let lattice = |pitch: f64| PlaneLattice {
         columns: Some(5),
         rotation: 0.3,
@@ -684,11 +684,11 @@ fn gradients_know_the_shape() {
 fn what_cannot_be_is_refused_with_its_reason() {
     let lattice = PlaneLattice::new(LatticeForm::Square { pitch: 14e-6 });
     for shape in [cylinder(0.0), plate(0.0, 0.0)] {
-        for endless in [
+        for infinite in [
             Arrangement::from(lattice),
             HexagonalLattice::new(14e-6).into(),
         ] {
-            let refused = of_shape(shape.clone(), PillarCompliance::None, endless).unwrap_err();
+            let refused = of_shape(shape.clone(), PillarCompliance::None, infinite).unwrap_err();
             assert!(matches!(refused.requirement, Requirement::FiniteUnder(_)));
             assert!(
                 refused.to_string().contains("infinite number of pillars"),

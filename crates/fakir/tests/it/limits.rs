@@ -196,17 +196,17 @@ fn adhesion_that_would_matter() {
     let all = one * state.pillars.len() as f64;
     assert!((-100.0 * all / state.force - 1.0).abs() < 1e-12);
     // With adhesion the value is not reported.
-    let sticky = system
+    let adhesive = system
         .with_adhesion(fakir::problem::Adhesion::new(1e-3))
         .unwrap();
-    let limits = critical(&sticky).limits(None);
+    let limits = critical(&adhesive).limits(None);
     assert_eq!(limits[0].name, "kendall_strain");
     assert!(limits.iter().all(|limit| !limit.name.starts_with("work")));
 }
 
 /// For layers, each limit is exceeded once; the thickness at which a finite thickness would be significant is not reported for them.
 #[test]
-fn layers_beyond_what_they_stand_for() {
+fn layers_beyond_their_range_of_validity() {
     let system = paper_system(paper_lattice(0.05, 0.0), INTERMEDIATE, COLUMN);
     let with = |film: Option<f64>, lens: Option<f64>| {
         let layers = [film, lens].map(|thickness| thickness.map(Layer::new));

@@ -461,7 +461,7 @@ fn pillars_join_a_lens_on_the_floor() {
 }
 
 #[test]
-fn the_pressure_bears_the_force_and_closes_the_gap() {
+fn the_pressure_carries_the_force_and_closes_the_gap() {
     let system = system(0.03, 2e6, 0.0);
     let load = Load::Indentation(1.4 * critical(&system).indentation);
     let state = pressed(&system, load, Accuracy::Default);
@@ -484,7 +484,7 @@ fn the_pressure_bears_the_force_and_closes_the_gap() {
 }
 
 #[test]
-fn what_is_asked_of_a_run_is_kept() {
+fn options_of_a_run_are_kept() {
     use fakir::state::{CancelToken, SolveError, Stage};
     use std::sync::Mutex;
     let system = system(0.03, 2e6, 0.0);
@@ -560,15 +560,15 @@ fn contacts_of_given_floor_shares_on_many_pillars_are_those_under_their_loads() 
 
 /// These contacts equal those under their own indentations and forces: with the lens axis on a pillar, at a hollow site, at a position
 /// without symmetry, and on the rigid substrate, from the first pillar to many.
-fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
+fn check_shares(systems: &[(f64, f64, f64)], target: &[f64]) {
     for &(phi, modulus, offset) in systems {
         let system = system(phi, modulus, offset);
-        let states = at_shares(&system, wanted).unwrap();
-        for (state, &wanted) in states.iter().zip(wanted) {
+        let states = at_shares(&system, target).unwrap();
+        for (state, &target) in states.iter().zip(target) {
             assert!(state.converged());
             assert!(
-                (share(state) / wanted - 1.0).abs() < 1e-7,
-                "{phi}: {wanted}"
+                (share(state) / target - 1.0).abs() < 1e-7,
+                "{phi}: {target}"
             );
             for load in [
                 Load::Indentation(state.indentation),
@@ -580,8 +580,8 @@ fn check_shares(systems: &[(f64, f64, f64)], wanted: &[f64]) {
                     again.indentation / state.indentation,
                 ]
                 .map(|ratio| (ratio - 1.0).abs());
-                let of_share = (share(&again) / wanted - 1.0).abs();
-                println!("{phi} {wanted}: {force:e} {indentation:e} {of_share:e}");
+                let of_share = (share(&again) / target - 1.0).abs();
+                println!("{phi} {target}: {force:e} {indentation:e} {of_share:e}");
                 // The results on two different grids differ by the estimated error.
                 let [a, b] = [&again, state].map(|it| it.floor.as_ref().unwrap().cell()[0]);
                 if (a / b - 1.0).abs() < 1e-12 {
@@ -619,13 +619,13 @@ fn errors_of_contacts_of_given_floor_shares_on_many_pillars_cover_better_ones() 
 
 /// If the fraction is prescribed, its error is included in the indentation and the force: compared with more accurate solutions.
 fn check_share_errors(phi: f64, modulus: f64) {
-    let wanted = [0.1, 0.4];
+    let target = [0.1, 0.4];
     let system = system(phi, modulus, 0.0);
     let run = Run::default();
     let method = Method::Spectral(Accuracy::Accurate);
     let critical = fakir::transition(&system, method, &run).unwrap();
-    let better = fakir::press_to_floor_shares(&critical, &wanted, &run).unwrap();
-    let states = at_shares(&system, &wanted).unwrap();
+    let better = fakir::press_to_floor_shares(&critical, &target, &run).unwrap();
+    let states = at_shares(&system, &target).unwrap();
     for (state, better) in states.iter().zip(&better) {
         assert!(state.converged() && better.converged());
         let force = (better.force / state.force - 1.0).abs();
@@ -657,6 +657,6 @@ fn floor_shares_that_cannot_be_are_refused_with_the_reason() {
     // Pillars so far apart that the lens reaches the floor before any of them.
     let wide = system(0.0001, 2e6, 1.0 / 3f64.sqrt());
     assert!(why(&wide, spectral, &[0.5]).contains("pillars are touched"));
-    let sticky = usual.clone().with_adhesion(Adhesion::new(1e-3)).unwrap();
-    assert!(why(&sticky, spectral, &[0.5]).contains("adhesion"));
+    let adhesive = usual.clone().with_adhesion(Adhesion::new(1e-3)).unwrap();
+    assert!(why(&adhesive, spectral, &[0.5]).contains("adhesion"));
 }

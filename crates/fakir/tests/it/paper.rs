@@ -76,7 +76,7 @@ fn forces_on_the_three_substrates() {
 /// One pillar is touched up to a surface fraction of about 0.003: there the small-contact formulas are 0.6 % to 1.2 % too low, and those of
 /// the full gap expansion 0.03 %. At larger fractions, other pillars are significant.
 #[test]
-fn one_pillar_formulas_hold_up_to_their_limit() {
+fn one_pillar_formulas_are_valid_up_to_their_limit() {
     for modulus in [RIGID, INTERMEDIATE, SOFT] {
         let limit = closed_forms::small_contact_limit(&system(0.01, 0.0, modulus));
         assert_within(limit, 0.0032, 0.0001);

@@ -368,13 +368,13 @@ fn check<S: Strategy>(
         checked,
     } = &tally;
     let [drawn, refused, checked] = [drawn, refused, checked].map(|cell| f64::from(cell.get()));
-    let told = format!(
+    let message = format!(
         "{drawn} cases: {refused} refused, {} not converged, {} not resolved, {checked} checked",
         unconverged.get(),
         unresolved.get()
     );
-    println!("{told}");
-    assert!(checked >= share * (drawn - refused), "{told}");
+    println!("{message}");
+    assert!(checked >= share * (drawn - refused), "{message}");
 }
 
 #[test]

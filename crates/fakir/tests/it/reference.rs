@@ -140,7 +140,7 @@ fn default_reproduces_force_and_indentation() {
 }
 
 #[test]
-fn floor_is_touched_where_the_reference_says() {
+fn floor_is_touched_at_the_load_of_the_reference() {
     for row in ROWS.iter() {
         for state in &row.computed {
             let [x, y] = state.floor_contact;

@@ -310,7 +310,7 @@ fn square_pillar(across: usize) -> SurfaceSystem {
 }
 
 #[test]
-fn square_pillar_bears_the_force_of_a_square_punch() {
+fn square_pillar_carries_the_force_of_a_square_punch() {
     // A punch of any outline carries pi E* zeta C, with C its capacitance as a thin plate divided by 4 pi eps0; that of a square of side L
     // is 0.36679 L (F. H. Read, J. Comput. Phys. 133, 1 (1997), five of seven digits), so that F = 1.15230 E* zeta L.
     let capacity = |across: usize| {
@@ -568,7 +568,7 @@ fn floor_before_any_pillar() {
 }
 
 #[test]
-fn round_top_bears_the_force_of_a_flat_punch() {
+fn round_top_carries_the_force_of_a_flat_punch() {
     // F = 2 E* a zeta (Johnson, Contact Mechanics, eq. 3.36), on a grid that does not fit it.
     let grid = Grid::new(40, 44, [0.31e-6, 0.28e-6], [-5.1e-6, -6.3e-6]).unwrap();
     let mut pillar = PillarShape::cylinder(6.0e-6, 2.2e-6);

@@ -270,7 +270,7 @@ fn integrate_pressure(state: &ContactState, pillar: usize, of: impl Fn(Point) ->
 
 /// The contact conditions on covered pillars, and the force from the pressure.
 #[test]
-fn covered_pillars_bear_pressure_without_gap() {
+fn covered_pillars_carry_pressure_without_gap() {
     let system = intermediate(0.1, 0.3, 0.0);
     for (method, tolerance) in [(Method::default(), 1e-10), (ACCURATE, 1e-11)] {
         let state = press(&system, Load::Indentation(5e-6), method);
@@ -654,8 +654,8 @@ fn running_computations_stop() {
 #[test]
 fn interim_states_lead_to_the_result() {
     let system = intermediate(0.15, 0.2, 0.0);
-    let told = std::sync::Mutex::new(Vec::new());
-    let listener = |state: &ContactState| told.lock().unwrap().push(state.clone());
+    let states = std::sync::Mutex::new(Vec::new());
+    let listener = |state: &ContactState| states.lock().unwrap().push(state.clone());
     let run = Run {
         interim: Some(&listener),
         ..Run::default()
@@ -663,16 +663,16 @@ fn interim_states_lead_to_the_result() {
     let load = Load::Indentation(3e-6);
     let critical = fakir::transition(&system, Method::default(), &run).unwrap();
     let pressed = fakir::press(&system, load, Method::default(), &run).unwrap();
-    let told = told.into_inner().unwrap();
+    let states = states.into_inner().unwrap();
     let punch = fakir::transition(&system, PUNCH, &Run::default()).unwrap();
     assert!(punch.contact.pillars_in_contact > 1000 && pressed.pillars_in_contact < 1000);
     let unheard = press(&system, load, Method::default());
     // The initial guess is a punch lattice solved to three digits.
-    assert!((told[0].force / punch.contact.force - 1.0).abs() < 2e-3);
-    assert_eq!(told[0].method, PUNCH);
+    assert!((states[0].force / punch.contact.force - 1.0).abs() < 2e-3);
+    assert_eq!(states[0].method, PUNCH);
     let forces = [critical.contact.force, unheard.force].map(f64::to_bits);
-    assert_eq!([&told[1], &told[2]].map(|s| s.force.to_bits()), forces);
-    assert!(told[1].error.force.is_nan() && told[2].error.indentation.is_nan());
+    assert_eq!([&states[1], &states[2]].map(|s| s.force.to_bits()), forces);
+    assert!(states[1].error.force.is_nan() && states[2].error.indentation.is_nan());
     assert_eq!(pressed.force.to_bits(), unheard.force.to_bits());
     assert_eq!(pressed.error, unheard.error);
 }
@@ -723,7 +723,7 @@ fn contacts_large_for_the_lens() {
                         warned += 1;
                         assert!(matches!(
                             state.warnings[..],
-                            [Warning::LargeContact { ratio: told }] if (told - ratio).abs() < 1e-9
+                            [Warning::LargeContact { ratio: states }] if (states - ratio).abs() < 1e-9
                         ));
                     } else {
                         assert!(state.warnings.is_empty());

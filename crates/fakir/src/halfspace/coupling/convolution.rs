@@ -191,7 +191,7 @@ impl Layout {
     }
 
     /// Number of values in all tiles.
-    fn tile_room(&self) -> usize {
+    fn tile_length(&self) -> usize {
         self.strips() * self.tile_lengths().1
     }
 }
@@ -227,7 +227,7 @@ impl LatticeConvolution {
         let exact = Passes::<f64>::new(&layout);
         Self {
             kernel: kernels(&layout, &differences, pair, &exact, workers),
-            tiles: Aligned::new(layout.tile_room()),
+            tiles: Aligned::new(layout.tile_length()),
             rough: Passes::new(&layout),
             exact,
             layout,
@@ -251,7 +251,7 @@ impl LatticeConvolution {
         let largest = largest(coefficients);
         let unit = if largest.is_normal() { largest } else { 1.0 };
         let tiles = bytemuck::cast_slice_mut(&mut self.tiles);
-        let tiles = &mut tiles[..self.layout.tile_room()];
+        let tiles = &mut tiles[..self.layout.tile_length()];
         let parts = (&self.layout, &self.kernel[..], tiles);
         self.rough.apply(parts, coefficients, far, unit, workers);
     }
@@ -269,7 +269,7 @@ impl LatticeConvolution {
         let multiplied = 4.0 * modes * modes * half * long;
         let operations = rows_there_and_back + columns_there_and_back + multiplied;
         // Tiles are written, read, written again, and read again.
-        let numbers = layout.tile_room();
+        let numbers = layout.tile_length();
         let bytes = if rough {
             2 * self.kernel.len() + 4 * 4 * numbers
         } else {
@@ -421,17 +421,17 @@ fn fill_strips(
 
 /// Precision of products.
 trait Precision: InRegisters + bytemuck::Pod {
-    /// Kernels from their high and low parts; `room` is a buffer for kernels that are computed from both.
-    fn kernels<'a>(high: &'a [f32], low: &[f32], room: &'a mut [Self]) -> &'a [Self];
+    /// Kernels from their high and low parts; `workspace` is a buffer for kernels that are computed from both.
+    fn kernels<'a>(high: &'a [f32], low: &[f32], workspace: &'a mut [Self]) -> &'a [Self];
 }
 
 impl Precision for f64 {
     #[inline(always)]
-    fn kernels<'a>(high: &'a [f32], low: &[f32], room: &'a mut [Self]) -> &'a [Self] {
-        for (kernel, (high, low)) in room.iter_mut().zip(high.iter().zip(low)) {
+    fn kernels<'a>(high: &'a [f32], low: &[f32], workspace: &'a mut [Self]) -> &'a [Self] {
+        for (kernel, (high, low)) in workspace.iter_mut().zip(high.iter().zip(low)) {
             *kernel = Self::from(*high) + Self::from(*low);
         }
-        room
+        workspace
     }
 }
 
@@ -522,8 +522,8 @@ impl<R: Precision> Passes<R> {
             &mut blocks,
             1,
             layout.least(),
-            || RowRoom::new(self.row.as_ref()),
-            |RowRoom { pair, scratch }, number, block| {
+            || RowWorkspace::new(self.row.as_ref()),
+            |RowWorkspace { pair, scratch }, number, block| {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
@@ -563,10 +563,10 @@ impl<R: Precision> Passes<R> {
             &mut blocks,
             1,
             layout.least(),
-            || RowRoom::new(self.row_back.as_ref()),
-            |room, number, block| {
+            || RowWorkspace::new(self.row_back.as_ref()),
+            |workspace, number, block| {
                 if !workers.cancel.is_cancelled() {
-                    self.block_back((layout, tiles), number, (block[0], unit), room);
+                    self.block_back((layout, tiles), number, (block[0], unit), workspace);
                 }
             },
         );
@@ -578,10 +578,10 @@ impl<R: Precision> Passes<R> {
         (layout, tiles): (&Layout, &[R]),
         number: usize,
         (far, unit): (&mut [f64], f64),
-        room: &mut RowRoom<R>,
+        workspace: &mut RowWorkspace<R>,
     ) {
         let (tile, strip) = layout.tile_lengths();
-        let RowRoom { pair, scratch } = room;
+        let RowWorkspace { pair, scratch } = workspace;
         for line in layout.line_pairs(number) {
             widest(
                 #[inline(always)]
@@ -674,7 +674,7 @@ impl<R: Precision> WithSimd for Strip<'_, R> {
         let of_row = lines * width;
         let values = &mut R::registers_mut(simd, values)[..layout.shape.0 * of_row];
         let all = R::registers_mut(simd, &mut work.rows);
-        let room: &mut [R] = &mut work.kernels;
+        let workspace: &mut [R] = &mut work.kernels;
         let products = R::registers_mut(simd, &mut work.products);
         transform.enter(simd, values, all, modes);
         let of_block = transform.inner_length() * of_row;
@@ -689,7 +689,7 @@ impl<R: Precision> WithSimd for Strip<'_, R> {
                 for (row, (high, low)) in block.chunks_exact_mut(of_row).zip(high.zip(low)) {
                     let meeting = Meeting::<R, S> {
                         layout,
-                        kernels: R::registers(simd, R::kernels(high, low, room)),
+                        kernels: R::registers(simd, R::kernels(high, low, workspace)),
                     };
                     meeting.multiply(simd, row, products, used);
                 }
@@ -905,12 +905,12 @@ impl RowWork {
 }
 
 /// Buffer for two rows.
-struct RowRoom<R> {
+struct RowWorkspace<R> {
     pair: RowPair<R>,
     scratch: Vec<Complex<R>>,
 }
 
-impl<R: Real> RowRoom<R> {
+impl<R: Real> RowWorkspace<R> {
     fn new(transform: &dyn Fft<R>) -> Self {
         Self {
             pair: RowPair::new(transform.len()),

@@ -57,12 +57,12 @@ impl MovingPair {
                 let (m, n) = (receiver.order, source.order);
                 let numbers = [m.abs_diff(n), m + n].map(|azimuthal| {
                     let key = [receiver, source].map(|mode| (mode.degree, mode.order));
-                    let wanted = Series::new(key[0], key[1], azimuthal);
+                    let target = Series::new(key[0], key[1], azimuthal);
                     series
                         .iter()
-                        .position(|known| *known == wanted)
+                        .position(|known| *known == target)
                         .unwrap_or_else(|| {
-                            series.push(wanted);
+                            series.push(target);
                             series.len() - 1
                         })
                 });
@@ -103,7 +103,7 @@ impl MovingPair {
     }
 
     /// Allocates the blocks of a pair.
-    pub(crate) fn room(&self) -> PairBlock {
+    pub(crate) fn workspace(&self) -> PairBlock {
         let size = self.modes.len() * self.modes.len();
         let work = || vec![0.0; 3 * self.series.len()];
         PairBlock {
@@ -225,7 +225,7 @@ mod tests {
         ] {
             let mut moving = MovingPair::new(degree);
             moving.prepare((radii[0] + radii[1]) / f64::hypot(offset[0], offset[1]));
-            let mut found = moving.room();
+            let mut found = moving.workspace();
             moving.fill(offset, radii, &mut found);
             let mut expected = vec![0.0; found.value.len()];
             PairCoupling::new(degree, 4.0).block_of(offset, radii, &mut expected);
@@ -243,7 +243,7 @@ mod tests {
         for (degree, offset, radii) in [(2, [1.9, 0.6], [1.0, 0.7]), (5, [-1.6, 1.4], [0.5, 1.1])] {
             let mut moving = MovingPair::new(degree);
             moving.prepare(0.95);
-            let mut block = moving.room();
+            let mut block = moving.workspace();
             moving.fill(offset, radii, &mut block);
             let step = 1e-5;
             for slope in 0..4 {
@@ -253,7 +253,7 @@ mod tests {
                         0 | 1 => offset[slope] += step,
                         k => radii[k - 2] += step,
                     }
-                    let mut block = moving.room();
+                    let mut block = moving.workspace();
                     moving.fill(offset, radii, &mut block);
                     block.value
                 };

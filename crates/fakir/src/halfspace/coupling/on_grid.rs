@@ -238,7 +238,7 @@ impl Stencils {
         }
     }
 
-    /// Computes the loads on a pillar due to the potential, without that of its own charges.
+    /// Computes the loads on a pillar due to the potential, except that of the charges on the pillar.
     #[inline(always)]
     fn gather<const MODES: usize>(
         &self,
@@ -735,9 +735,9 @@ impl Rule {
 
     /// Weights of a pillar from its radius and its centre, relative to the first of its charges, in grid steps: as integers, and the unit
     /// of every mode.
-    fn weights(&self, centre: Point, radius: f64, room: &mut Weights) -> (Vec<i32>, Vec<f64>) {
+    fn weights(&self, centre: Point, radius: f64, workspace: &mut Weights) -> (Vec<i32>, Vec<f64>) {
         let modes = self.far_modes;
-        let weights = &mut room[..modes * STENCIL * STENCIL];
+        let weights = &mut workspace[..modes * STENCIL * STENCIL];
         widest(
             #[inline(always)]
             || match modes {

@@ -29,7 +29,7 @@ pub(crate) trait Coupling {
 pub(crate) struct Sum<A, B> {
     first: A,
     second: B,
-    room: Vec<f64>,
+    workspace: Vec<f64>,
 }
 
 #[cfg(test)]
@@ -38,7 +38,7 @@ impl<A, B> Sum<A, B> {
         Self {
             first,
             second,
-            room: Vec::new(),
+            workspace: Vec::new(),
         }
     }
 }
@@ -47,9 +47,10 @@ impl<A, B> Sum<A, B> {
 impl<A: Coupling, B: Coupling> Coupling for Sum<A, B> {
     fn apply(&mut self, coefficients: &[f64], far: &mut [f64], workers: Workers<'_>) {
         self.first.apply(coefficients, far, workers);
-        self.room.resize(far.len(), 0.0);
-        self.second.apply(coefficients, &mut self.room, workers);
-        for (far, more) in far.iter_mut().zip(&self.room) {
+        self.workspace.resize(far.len(), 0.0);
+        self.second
+            .apply(coefficients, &mut self.workspace, workers);
+        for (far, more) in far.iter_mut().zip(&self.workspace) {
             *far += more;
         }
     }

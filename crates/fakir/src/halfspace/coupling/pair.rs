@@ -192,8 +192,8 @@ impl SeriesTable {
     fn values(&self, discs: Discs, values: &mut [f64]) {
         let count = self.series.len();
         let [x, y] = [discs.receiver, discs.source].map(|r| (r / discs.distance).powi(2));
-        let mut room = vec![0.0; 2 * count];
-        let (term, before) = room.split_at_mut(count);
+        let mut workspace = vec![0.0; 2 * count];
+        let (term, before) = workspace.split_at_mut(count);
         term.fill(1.0);
         values.fill(1.0);
         let added = widest(

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn holds_every_pillar_within_its_radius_once() {
+    fn contains_every_pillar_within_its_radius_once() {
         let lattice = HexagonalLattice {
             pitch: 1.3,
             offset: 0.8,

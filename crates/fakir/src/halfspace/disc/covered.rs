@@ -279,13 +279,13 @@ impl CoverFinder {
         // Forces and first moments of the modes of degree 0 and 1 in the expansion.
         let force = UNIT_FORCE * density[0];
         let moment = |mode: usize| density.get(mode).map_or(0.0, |c| FIRST_MOMENT * c);
-        let wanted = [
+        let target = [
             force,
             moment(1) - part.middle[0] * force,
             moment(2) - part.middle[1] * force,
         ];
         let even = [force / area, 0.0, 0.0];
-        let Some([_, a1, a2]) = solve_3(moments, wanted) else {
+        let Some([_, a1, a2]) = solve_3(moments, target) else {
             return Some(even);
         };
         // Limits the slope so that the amplitude remains positive; keeps the force.
@@ -294,9 +294,13 @@ impl CoverFinder {
         part.integrate(&self.rule, |[x, y], _| {
             least = least.min(a1 * (x - centre[0]) + a2 * (y - centre[1]));
         });
-        let room = (1.0 - LEAST_AMPLITUDE) * even[0];
-        let share = if -least > room { room / -least } else { 1.0 };
-        let (a1, a2) = (share * a1, share * a2);
+        let margin = (1.0 - LEAST_AMPLITUDE) * even[0];
+        let scale = if -least > margin {
+            margin / -least
+        } else {
+            1.0
+        };
+        let (a1, a2) = (scale * a1, scale * a2);
         Some([even[0] - a1 * centre[0] - a2 * centre[1], a1, a2])
     }
 }
@@ -625,9 +629,9 @@ mod tests {
             for ([x, y], weight) in hemisphere(8, 25) {
                 basis.evaluate([x, y], &mut values);
                 let curved = self.end * self.end - x * x - y * y;
-                let wanted = self.end - x + curved / (2.0 * self.distance);
+                let target = self.end - x + curved / (2.0 * self.distance);
                 for (b, value) in load.iter_mut().zip(&values) {
-                    *b += weight * wanted * value;
+                    *b += weight * target * value;
                 }
             }
             let mut solver = LocalSolver::new(&top);

@@ -338,11 +338,11 @@ impl Exterior {
         let (mut few, mut many);
         let mut of_layers: &mut [[Lanes; 3]] = &mut [];
         if let Some(OnLayers { radial: layers, .. }) = self.layers.as_deref() {
-            let bears = |lane: usize| {
+            let is_loaded = |lane: usize| {
                 let mut of_disc = coefficients.iter().copied().flatten();
                 of_disc.any(|c| c.0[lane] != 0.0)
             };
-            let lanes = (0..LANES).filter(|lane| bears(*lane));
+            let lanes = (0..LANES).filter(|lane| is_loaded(*lane));
             let places = lanes.map(|lane| (lane, inverse_square.0[lane].sqrt().recip()));
             if layers.count() <= FEW_RADIAL {
                 few = [[Lanes::default(); 3]; FEW_RADIAL];

@@ -66,9 +66,9 @@ impl LensProjector {
             .zip(self.weights.chunks_exact(self.count))
         {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-            let wanted = function(at, *point);
+            let target = function(at, *point);
             for (value, weight) in load.iter_mut().zip(row) {
-                *value += weight * wanted;
+                *value += weight * target;
             }
         }
     }

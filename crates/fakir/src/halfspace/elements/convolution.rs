@@ -175,17 +175,17 @@ fn line_memory_of(columns: usize, rows: usize, columns_at_once: usize) -> usize 
     size_of::<Complex64>() * for_rows.max(for_columns)
 }
 
-/// Memory in bytes of the spectrum of `held` rows of `columns` complex numbers, and of the workspaces of `threads` threads.
+/// Memory in bytes of the spectrum of `stored` rows of `columns` complex numbers, and of the workspaces of `threads` threads.
 pub(crate) fn memory_estimate(
     columns: usize,
     rows: usize,
-    held: usize,
+    stored: usize,
     columns_at_once: usize,
     threads: usize,
 ) -> usize {
     let scratch = 2 * size_of::<Complex64>() * columns.max(rows);
     let lines = line_memory_of(columns, rows, columns_at_once);
-    size_of::<Complex64>() * held * columns + threads * (lines + scratch)
+    size_of::<Complex64>() * stored * columns + threads * (lines + scratch)
 }
 
 /// The bounding rectangle of cells in a grid.
@@ -196,7 +196,7 @@ pub(crate) struct Bounds {
     /// Number of columns and rows; at least one.
     pub(super) shape: [usize; 2],
     /// Number of rows that contain cells.
-    pub(super) held_rows: usize,
+    pub(super) stored_rows: usize,
 }
 
 impl Bounds {
@@ -206,7 +206,7 @@ impl Bounds {
             return Self {
                 first: [0, 0],
                 shape: [1, 1],
-                held_rows: 0,
+                stored_rows: 0,
             };
         };
         let left = segments
@@ -224,7 +224,7 @@ impl Bounds {
                 right.map_or(1, |right| right - left),
                 highest.row + 1 - lowest.row,
             ],
-            held_rows: segments.chunk_by(|a, b| a.row == b.row).count(),
+            stored_rows: segments.chunk_by(|a, b| a.row == b.row).count(),
         }
     }
 }
@@ -240,7 +240,7 @@ pub(crate) struct Convolution<'p, T: Transform> {
     /// Index of the first segment of each of these rows, and the end.
     row_segments: Vec<usize>,
     /// The spectrum, by blocks of columns; each block contains its columns of every stored row. The locks let threads that process rows
-    /// write to blocks, and are held only briefly.
+    /// write to blocks, and are locked only briefly.
     spectrum: Vec<RwLock<Vec<Complex<T::Real>>>>,
     /// One workspace for each thread.
     workspaces: Vec<Mutex<Workspace<T::Real>>>,
@@ -297,7 +297,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
 
     /// Number of rows that contain cells.
     #[cfg(any(test, feature = "kernels"))]
-    pub(crate) fn held_rows(&self) -> usize {
+    pub(crate) fn stored_rows(&self) -> usize {
         self.rows.len()
     }
 

@@ -126,7 +126,7 @@ impl<'p> FreeSpaceConvolution<'p> {
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let bounds = Bounds::of(cells);
         let [columns, rows] = bounds.shape.map(quick_length);
-        let spectrum = memory_estimate(columns, rows, bounds.held_rows, 2, threads);
+        let spectrum = memory_estimate(columns, rows, bounds.stored_rows, 2, threads);
         // The partly transformed kernel is released before the spectrum is allocated.
         let preparation = size_of::<f64>() * columns * bounds.shape[1];
         size_of::<f64>() * columns * rows + spectrum.max(preparation)
@@ -473,8 +473,11 @@ mod tests {
                 let estimate = FreeSpaceConvolution::memory_estimate(&cells, threads) as f64;
                 let operator = FreeSpaceConvolution::new(cells.clone(), 1.0, pool);
                 let kernel = size_of_val(&*operator.convolution.transform().kernel);
-                let held = (kernel + operator.convolution.memory()) as f64;
-                assert!((held / estimate - 1.0).abs() < 0.03, "{held} {estimate}");
+                let stored = (kernel + operator.convolution.memory()) as f64;
+                assert!(
+                    (stored / estimate - 1.0).abs() < 0.03,
+                    "{stored} {estimate}"
+                );
             }
         }
     }

@@ -87,8 +87,8 @@ impl<'p> PeriodicConvolution<'p> {
     pub fn memory_estimate(cells: &Cells, threads: usize) -> usize {
         let grid = cells.grid();
         let columns = grid.columns() / 2 + 1;
-        let held = cells.segments().chunk_by(|a, b| a.row == b.row).count();
-        let spectrum = memory_estimate(columns, grid.rows(), held, 1, threads);
+        let stored = cells.segments().chunk_by(|a, b| a.row == b.row).count();
+        let spectrum = memory_estimate(columns, grid.rows(), stored, 1, threads);
         size_of::<f64>() * columns * (grid.rows() / 2 + 1) + spectrum
     }
 }
@@ -189,7 +189,7 @@ impl<'p, O: Operator> Preconditioned<'p, O> {
     pub fn memory_estimate(cells: &Cells) -> usize {
         let bounds = Bounds::of(cells);
         let [columns, rows] = bounds.shape.map(quick_length);
-        let spectrum = memory_estimate(columns / 2 + 1, rows, bounds.held_rows, 1, 1);
+        let spectrum = memory_estimate(columns / 2 + 1, rows, bounds.stored_rows, 1, 1);
         size_of::<f64>() * (columns / 2 + 1) * (rows / 2 + 1) + spectrum
     }
 }

@@ -359,13 +359,13 @@ impl<'a> FloorCoupling<'a> {
         let tables = 8.0 * Self::table_len(division, radius, pillars, degree);
         let kernels = 1.0 + if pillars.listed > 0 { 0.0 } else { modes };
         let half = 0.5 * shape[0] + 1.0;
-        let held = 2.0 * radius / division.cell[1];
+        let stored = 2.0 * radius / division.cell[1];
         let build = 8.0 * kernels * half * 0.5 * shape[1];
         let kept = 8.0 * kernels * half * kernel_rows(shape[1] as usize) as f64;
         let folded = 16.0 * half * kernels * coarse[1] as f64;
         let vectors = 20.0 * 8.0 * FloorGrid::expected_len(division, radius);
         // In addition, single-precision copies of all arrays but those used during the construction.
-        build + 1.5 * (kept + folded + 16.0 * held * half) + vectors + tables
+        build + 1.5 * (kept + folded + 16.0 * stored * half) + vectors + tables
     }
 
     /// Approximate number of values that a product processes: points of the transform, and those of the table of pillars at arbitrary
@@ -450,22 +450,22 @@ fn least_work<T: Transform + BesidePillars>(
 ) -> [f64; 2] {
     let transform = convolution.transform();
     let [length, rows] = transform.shape().map(|n| n as f64);
-    let [held, columns, modes] = [
-        convolution.held_rows(),
+    let [stored, columns, modes] = [
+        convolution.stored_rows(),
         transform.column_count(),
         transform.odd().len(),
     ]
     .map(|n| n as f64);
     let [coarse_columns, coarse_rows] = coarse.map(|n| n as f64);
     let coarse_points = coarse_columns * coarse_rows;
-    let transforms = 2.0 * held * 2.5 * length * length.log2()
+    let transforms = 2.0 * stored * 2.5 * length * length.log2()
         + 2.0 * columns * 5.0 * rows * rows.log2()
         + 2.0 * modes * 2.5 * coarse_points * coarse_points.log2();
     // The floor times its kernel, in complex numbers; every mode of the pillars times its kernel, and the floor times the kernel of every
     // mode.
     let multiplied = (2.0 + 8.0 * modes) * columns * rows;
     // Transformed rows are written, read, written again, and read again; the loads of the floor on pillars are written and read.
-    let numbers = 8.0 * columns * held
+    let numbers = 8.0 * columns * stored
         + 4.0 * modes * columns * coarse_rows
         + 4.0 * modes * coarse_points
         + transform.kernel_count() as f64;

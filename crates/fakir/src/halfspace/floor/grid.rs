@@ -28,17 +28,17 @@ pub(crate) struct Division {
 impl Division {
     /// Division of the floor between pillars.
     pub(crate) fn new(field: &PillarField, fineness: usize) -> Self {
-        let wanted = 0.5 * field.shortest_distance() / fineness as f64;
+        let target = 0.5 * field.shortest_distance() / fineness as f64;
         let Some(PillarGrid { sides, .. }) = field.pillar_grid() else {
             return Self {
                 fineness,
                 parts: [1, 1],
-                cell: [wanted, wanted],
+                cell: [target, target],
             };
         };
         // Prime factors up to 11 only: close to the nearest number, and fast to transform.
         let parts = sides.map(|side| {
-            let nearest = (side / wanted).max(1.0);
+            let nearest = (side / target).max(1.0);
             let above = smooth_number(nearest.ceil() as usize);
             let below = (1..above).rev().find(|n| smooth_number(*n) == *n);
             below
@@ -390,7 +390,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn cells_are_the_floor_and_pillars_stand_on_corners() {
+    fn cells_are_the_floor_and_pillars_are_on_corners() {
         let paper = |pitch, offset, offset_angle| {
             hexagonal(HexagonalLattice {
                 pitch,
@@ -413,8 +413,8 @@ pub(super) mod tests {
             let floor = FloorGrid::new(&field, division, radius).unwrap();
             let pillars = field.listed_within(radius + 2.0).0;
             let [width, height] = division.cell;
-            let wanted = 0.5 * field.shortest_distance() / fineness as f64;
-            assert!((division.cell_area().sqrt() / wanted - 1.0).abs() < 0.1);
+            let target = 0.5 * field.shortest_distance() / fineness as f64;
+            assert!((division.cell_area().sqrt() / target - 1.0).abs() < 0.1);
             let mut area = 0.0;
             for ([x, y], (column, row)) in floor.cells.centres().zip(floor.cells.positions()) {
                 assert!(x.hypot(y) < radius);

@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn the_own_mean_of_a_square_is_known() {
+    fn the_own_mean_of_a_square_has_its_closed_form() {
         // 4 ln(1 + sqrt 2) - 4 (sqrt 2 - 1)/3, the mean of 1/r over a unit square and itself.
         let division = Division {
             fineness: 1,
@@ -279,15 +279,15 @@ mod tests {
         let rule = gauss_legendre(20);
         let mut of_pillar = PillarMeans::new(&division, 2, &[]);
         for ([columns, rows], tolerance) in [([3, 1], 2e-3), ([7, 4], 1e-5), ([20, 31], 1e-8)] {
-            let (mut room, mut row, mut expected) = ([0.0; 6], [0.0; 6 * 80], [0.0; 6]);
+            let (mut workspace, mut row, mut expected) = ([0.0; 6], [0.0; 6 * 80], [0.0; 6]);
             of_pillar.fill_row(rows, 80, &mut row);
             let means: [f64; 6] = std::array::from_fn(|mode| row[mode * 80 + columns]);
             for (u, weight_u) in &rule {
                 for (v, weight_v) in &rule {
                     let x = (columns as f64 + 0.5 + 0.5 * u) * width;
                     let y = (rows as f64 + 0.5 + 0.5 * v) * height;
-                    exterior.values([x, y], &mut room);
-                    for (sum, value) in expected.iter_mut().zip(&room) {
+                    exterior.values([x, y], &mut workspace);
+                    for (sum, value) in expected.iter_mut().zip(&workspace) {
                         *sum += 0.25 * weight_u * weight_v * value;
                     }
                 }

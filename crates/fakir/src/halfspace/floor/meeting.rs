@@ -61,10 +61,10 @@ pub(super) fn halves<R>(values: &mut [R]) -> [&mut [R]; 2] {
 
 /// Expands the stored rows of a kernel to all rows.
 #[inline(always)]
-pub(super) fn unfold<R: Real>(held: &[R], sign: R, whole: &mut [R]) {
-    let (first, second) = whole.split_at_mut(held.len());
-    first.copy_from_slice(held);
-    for (value, mirrored) in second.iter_mut().rev().zip(&held[1..]) {
+pub(super) fn unfold<R: Real>(stored: &[R], sign: R, whole: &mut [R]) {
+    let (first, second) = whole.split_at_mut(stored.len());
+    first.copy_from_slice(stored);
+    for (value, mirrored) in second.iter_mut().rev().zip(&stored[1..]) {
         *value = sign * *mirrored;
     }
 }
@@ -96,8 +96,8 @@ impl<R: Real> Meeting<'_, R> {
         [sum_real, sum_imaginary]: [&mut [R]; 2],
         folded: &mut [R],
     ) {
-        let held = self.rows / 2 + 1;
-        let kernels = modes.map(|mode| &self.kernels[mode * held..][..held]);
+        let stored = self.rows / 2 + 1;
+        let kernels = modes.map(|mode| &self.kernels[mode * stored..][..stored]);
         let signs = modes.map(|mode| self.mirrored[mode]);
         for first in (0..self.coarse).step_by(L) {
             let mut tops = [[[R::default(); L]; 2]; N];
@@ -108,18 +108,18 @@ impl<R: Real> Meeting<'_, R> {
             let mut folds = [[[R::default(); L]; 2]; N];
             let mut rows = [[R::default(); L]; N];
             for row in (first..self.rows).step_by(self.coarse) {
-                if row + L <= held {
+                if row + L <= stored {
                     for n in 0..N {
                         rows[n] = chunk(kernels[n], row);
                     }
-                } else if row >= held {
+                } else if row >= stored {
                     for n in 0..N {
                         rows[n] = mirror(kernels[n], signs[n], self.rows + 1 - row - L);
                     }
                 } else {
                     for n in 0..N {
                         for k in 0..L {
-                            rows[n][k] = if row + k < held {
+                            rows[n][k] = if row + k < stored {
                                 kernels[n][row + k]
                             } else {
                                 signs[n] * kernels[n][self.rows - row - k]
@@ -202,13 +202,13 @@ mod tests {
 
     fn agrees<const L: usize, const N: usize>(modes: [usize; N], coarse: usize, copies: usize) {
         let rows = coarse * copies;
-        let held = rows / 2 + 1;
-        let mut kernels = numbers(6 * held, 1.3);
+        let stored = rows / 2 + 1;
+        let mut kernels = numbers(6 * stored, 1.3);
         let mirrored = [1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
         if rows.is_multiple_of(2) {
             // The middle row is its own mirror image.
-            for (kernel, sign) in kernels.chunks_exact_mut(held).zip(mirrored) {
-                kernel[held - 1] *= 0.5 * (1.0 + sign);
+            for (kernel, sign) in kernels.chunks_exact_mut(stored).zip(mirrored) {
+                kernel[stored - 1] *= 0.5 * (1.0 + sign);
             }
         }
         let tops = numbers(12 * coarse, 0.7);
@@ -226,9 +226,9 @@ mod tests {
         let mut expected = (sums.clone(), folded.clone());
         for mode in modes {
             for row in 0..rows {
-                let kernel = match row < held {
-                    true => kernels[mode * held + row],
-                    false => mirrored[mode] * kernels[mode * held + rows - row],
+                let kernel = match row < stored {
+                    true => kernels[mode * stored + row],
+                    false => mirrored[mode] * kernels[mode * stored + rows - row],
                 };
                 for part in 0..2 {
                     let place = (2 * mode + part) * coarse + row % coarse;

@@ -49,11 +49,11 @@ impl<R: Real> Mirrored<R> {
         let shape = whole.shape.map(|length| length / 2);
         let [columns, rows] = shape;
         let plans = CosinePlans::new(rows, columns);
-        let held = rows.next_multiple_of(TOGETHER);
+        let stored = rows.next_multiple_of(TOGETHER);
         let kernels = 1 + parities.len();
         let stride = whole.kernel.len() / (columns + 1);
-        let mut kernel = vec![R::default(); 2 * plans.column_count() * kernels * held];
-        let mut columns_of = kernel.chunks_exact_mut(kernels * held);
+        let mut kernel = vec![R::default(); 2 * plans.column_count() * kernels * stored];
+        let mut columns_of = kernel.chunks_exact_mut(kernels * stored);
         for complex in 0..plans.column_count() {
             for column in [complex, columns - complex] {
                 let Some(to) = columns_of.next() else {
@@ -61,7 +61,7 @@ impl<R: Real> Mirrored<R> {
                 };
                 let from = &whole.kernel[column * stride..][..stride];
                 for (to, from) in to
-                    .chunks_exact_mut(held)
+                    .chunks_exact_mut(stored)
                     .zip(from.chunks_exact(stride / kernels))
                 {
                     for (to, from) in to.iter_mut().zip(&from[..rows]) {
@@ -103,7 +103,7 @@ impl<R: Real> Mirrored<R> {
     }
 
     /// Number of stored rows of a column: those of the quadrant, and padding.
-    fn held(&self) -> usize {
+    fn stored(&self) -> usize {
         self.shape[1].next_multiple_of(TOGETHER)
     }
 
@@ -171,9 +171,9 @@ impl<R: Real> Column<'_, R> {
         sums: &mut [R],
         folded: &mut [R],
     ) {
-        let held = self.floor.len();
+        let stored = self.floor.len();
         let kernels: [&[R]; N] =
-            std::array::from_fn(|n| &self.kernels[(mode + n) * held..][..held]);
+            std::array::from_fn(|n| &self.kernels[(mode + n) * stored..][..stored]);
         for first in (0..self.coarse).step_by(L) {
             let place = |n: usize| (mode + n) * self.coarse + first;
             let mut tops = [[R::default(); L]; N];
@@ -224,7 +224,7 @@ impl<R: Real> Transform for Mirrored<R> {
     fn convolve(&self, block: &mut ColumnBlock<'_, R>, work: &mut Workspace<R>) {
         let [_, rows] = self.shape;
         let [coarse_columns, coarse] = self.coarse;
-        let (modes, held) = (self.odd.len(), self.held());
+        let (modes, stored) = (self.odd.len(), self.stored());
         let stride = line_stride(rows);
         let lines = &mut work.lines[..block.width * stride];
         block.read_to(lines, stride, |row| self.plans.place_of(row));
@@ -233,18 +233,18 @@ impl<R: Real> Transform for Mirrored<R> {
             .lock()
             .unwrap_or_else(PoisonError::into_inner);
         let folded = folded.chunks_exact_mut((2 * modes * coarse).max(1));
-        let kernels = (1 + modes) * held;
-        let (values, sums) = work.reals.split_at_mut(2 * held);
+        let kernels = (1 + modes) * stored;
+        let (values, sums) = work.reals.split_at_mut(2 * stored);
         for (k, (line, folded)) in lines.chunks_exact_mut(stride).zip(folded).enumerate() {
             let (line, complex) = (&mut line[..rows], block.first + k);
-            let (first, second) = values.split_at_mut(held);
+            let (first, second) = values.split_at_mut(stored);
             for values in [&mut *first, &mut *second] {
                 values[rows..].fill(R::default());
             }
             let parts = [&mut first[..rows], &mut second[..rows]];
             self.plans.column_forward(line, parts, &mut work.scratch);
             let (one, other) = self.plans.columns_of(complex);
-            let (first_sums, second_sums) = sums.split_at_mut(held);
+            let (first_sums, second_sums) = sums.split_at_mut(stored);
             let (first_folded, second_folded) = folded.split_at_mut(modes * coarse);
             let columns = [
                 (Some(one), first, &mut *first_sums, first_folded),
@@ -283,7 +283,7 @@ impl<R: Real> Transform for Mirrored<R> {
     }
 
     fn real_count(&self) -> usize {
-        4 * self.held()
+        4 * self.stored()
     }
 }
 

@@ -54,7 +54,7 @@ impl PillarTable {
             Lanes([-width, -width, width, width]),
             Lanes([-height, height, -height, height]),
         ];
-        let fill = |room: &mut Vec<Lanes>, cell: usize, values: &mut [f64]| {
+        let fill = |workspace: &mut Vec<Lanes>, cell: usize, values: &mut [f64]| {
             if workers.cancel.is_cancelled() {
                 return;
             }
@@ -69,16 +69,16 @@ impl PillarTable {
                             (Lanes::splat(x - centre[0]) + across) * Lanes::splat(radius.recip()),
                             (Lanes::splat(y - centre[1]) + up) * Lanes::splat(radius.recip()),
                         ];
-                        exterior.lane_values(at, room);
-                        for (value, lanes) in values.iter_mut().zip(&*room) {
+                        exterior.lane_values(at, workspace);
+                        for (value, lanes) in values.iter_mut().zip(&*workspace) {
                             *value = root / (LANES as f64 * radius) * lanes.sum();
                         }
                     }
                 },
             );
         };
-        let room = || vec![Lanes::default(); modes];
-        workers.fill(&mut values, of_cell.max(1), CELLS_AT_ONCE, room, fill);
+        let workspace = || vec![Lanes::default(); modes];
+        workers.fill(&mut values, of_cell.max(1), CELLS_AT_ONCE, workspace, fill);
         Self {
             coefficients: vec![0.0; of_cell],
             loads: vec![0.0; of_cell],

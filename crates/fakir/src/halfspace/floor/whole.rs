@@ -123,7 +123,7 @@ impl Together<f64> {
                 (0..rows).map(|k| phase(k, rows)).collect(),
             ],
             tops: RwLock::new(vec![0.0; 2 * coarse[0] * modes.len() * coarse[1]]),
-            folded: folded_room(half, 2 * modes.len() * coarse[1]),
+            folded: folded_buffers(half, 2 * modes.len() * coarse[1]),
         };
         let kernel = together.kernels(&modes, layers, workers);
         Self {
@@ -155,7 +155,7 @@ impl Together<f64> {
                 0.0;
                 2 * self.coarse[0] * self.odd.len() * self.coarse[1]
             ]),
-            folded: folded_room(columns / 2 + 1, 2 * self.odd.len() * self.coarse[1]),
+            folded: folded_buffers(columns / 2 + 1, 2 * self.odd.len() * self.coarse[1]),
         }
     }
 
@@ -205,7 +205,7 @@ impl Together<f64> {
         let root = division.cell_area().sqrt();
         let scale = 1.0 / (columns * rows) as f64;
         let plan = &self.plans.column;
-        let held = kernel_rows(rows);
+        let stored = kernel_rows(rows);
         let (odd, even): (Vec<usize>, Vec<usize>) =
             (0..modes.len()).partition(|mode| modes[*mode].parities()[1]);
         let work = || {
@@ -229,14 +229,14 @@ impl Together<f64> {
                 }
             }
             let columns = columns.chunks_exact(kernels * quadrant);
-            for (output, columns) in output.chunks_exact_mut(kernels * held).zip(columns) {
+            for (output, columns) in output.chunks_exact_mut(kernels * stored).zip(columns) {
                 let value = |kernel: usize, row: usize| columns[kernel * quadrant + row];
                 for row in 0..quadrant {
                     line[row] = Complex64::new(value(0, row), 0.0);
                     line[(rows - row) % rows] = line[row];
                 }
                 plan.process_with_scratch(line, scratch);
-                for (output, value) in output[..held].iter_mut().zip(&*line) {
+                for (output, value) in output[..stored].iter_mut().zip(&*line) {
                     *output = scale * value.re;
                 }
                 // Transforms two modes of equal parity in y together, as real and imaginary part.
@@ -253,7 +253,7 @@ impl Together<f64> {
                         let odd_x = modes[*mode].parities()[0];
                         // The product of two imaginary factors is negative.
                         let scale = root * if odd_x && odd_y { -scale } else { scale };
-                        let output = &mut output[(mode + 1) * held..][..held];
+                        let output = &mut output[(mode + 1) * stored..][..stored];
                         for ((output, value), phase) in output.iter_mut().zip(&*line).zip(phases_y)
                         {
                             let value = value * phase.conj();
@@ -423,13 +423,13 @@ impl<R: Real> Together<R> {
         kernel: &[R],
         tops: &[R],
         folded: &mut [R],
-        room: &mut [R],
+        workspace: &mut [R],
     ) {
         let rows = line.len();
         let coarse = self.coarse[1];
-        let (phases, room) = room.split_at_mut(2 * rows);
-        let (turned, room) = room.split_at_mut(2 * rows);
-        let (sums, whole) = room.split_at_mut(4 * rows);
+        let (phases, workspace) = workspace.split_at_mut(2 * rows);
+        let (turned, workspace) = workspace.split_at_mut(2 * rows);
+        let (sums, whole) = workspace.split_at_mut(4 * rows);
         let [phase_real, phase_imaginary] = halves(phases);
         let [real, imaginary] = halves(turned);
         turn(phase, &self.phases[1], phase_real, phase_imaginary);

@@ -183,7 +183,7 @@ fn the_seed_decides_and_the_grid_does_not() {
 }
 
 #[test]
-fn missing_pillars_are_as_many_as_asked_for() {
+fn vacancies_have_the_requested_number() {
     let pattern = |missing| {
         let lattice = disordered(square(8.0e-6), 0.0, missing, 5);
         Pattern::new(pillars()[0], lattice)

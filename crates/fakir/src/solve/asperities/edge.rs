@@ -76,9 +76,9 @@ impl Edge {
         values
     }
 
-    /// Changes the first three moments so that the edge satisfies the condition of the hold.
+    /// Changes the first three moments so that the edge satisfies the condition at the rim.
     pub(crate) fn enforce(&self, hold: Hold, moments: &mut [f64]) {
-        let wanted = match hold {
+        let target = match hold {
             Hold::Free => [0.0; 3],
             Hold::Leaning { angle, edge } => {
                 let uneven = LEANING * edge;
@@ -88,7 +88,7 @@ impl Edge {
         };
         let found = self.values(moments);
         for harmonic in 0..3 {
-            moments[harmonic] += (wanted[harmonic] - found[harmonic]) / self.first(harmonic);
+            moments[harmonic] += (target[harmonic] - found[harmonic]) / self.first(harmonic);
         }
     }
 

@@ -93,7 +93,7 @@ impl<'a> Equations<'a> {
         let mut matrix = Matrix::zeros(count * size, count * size);
         // Derivatives with respect to the position and radius of the disc itself.
         let mut own = vec![[0.0; 3]; count * size];
-        let mut load = self.rule.room();
+        let mut load = self.rule.workspace();
         for (number, disc) in contacts.discs.iter().enumerate() {
             self.rule.fill(
                 self.layout,
@@ -103,7 +103,7 @@ impl<'a> Equations<'a> {
             );
             self.add_own(contacts, number, &load, &mut missing, &mut own);
         }
-        let mut block = self.pair.room();
+        let mut block = self.pair.workspace();
         let mut columns = vec![0.0; size * size];
         let mut reduced = vec![0.0; size * size];
         let mut geometry: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; size]);

@@ -168,7 +168,7 @@ impl LoadRule {
         }
     }
 
-    pub(crate) fn room(&self) -> DiscLoad {
+    pub(crate) fn workspace(&self) -> DiscLoad {
         let row = || vec![0.0; self.modes];
         DiscLoad {
             value: row(),

@@ -121,8 +121,8 @@ impl Equations<'_> {
             radius: (pressed / curvature).sqrt(),
             hold: Hold::Free,
         };
-        self.hold_at_rim(&mut disc);
-        let mut load = self.rule.room();
+        self.constrain_at_rim(&mut disc);
+        let mut load = self.rule.workspace();
         let geometry = (disc.centre, disc.radius);
         self.rule.fill(self.layout, asperity, geometry, &mut load);
         load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(asperity, place).value);
@@ -137,7 +137,7 @@ impl Equations<'_> {
     }
 
     /// Keeps a free contact within the rim. Returns whether it was changed.
-    fn hold_at_rim(&self, disc: &mut Disc) -> bool {
+    fn constrain_at_rim(&self, disc: &mut Disc) -> bool {
         let rim = self.rim(disc.asperity);
         let apex = self.layout.asperities[disc.asperity].apex;
         let [x, y] = [0, 1].map(|k| disc.centre[k] - apex[k]);
@@ -336,7 +336,7 @@ impl Equations<'_> {
                     let part = (0.7 * radius / moved).min(1.0);
                     stepped.changed |= part < 1.0;
                     disc.centre = [0, 1].map(|k| disc.centre[k] + part * step[k]);
-                    stepped.changed |= self.hold_at_rim(disc);
+                    stepped.changed |= self.constrain_at_rim(disc);
                 }
             }
             self.edge.enforce(disc.hold, moments);
@@ -417,7 +417,7 @@ impl Equations<'_> {
             }
         }
         self.pair.prepare(reach.min(0.98));
-        let mut block = self.pair.room();
+        let mut block = self.pair.workspace();
         let mut fresh = Vec::new();
         for asperity in waiting {
             let feeling = self.feel(contacts, asperity, feeler, &mut block);
@@ -507,7 +507,7 @@ impl Equations<'_> {
         }
         let feeler = FEELER * contacts.largest_radius();
         self.pair.prepare(0.98);
-        let mut block = self.pair.room();
+        let mut block = self.pair.workspace();
         let mut beside = contacts.clone();
         outside.into_iter().find(|&asperity| {
             let apex = self.layout.asperities[asperity].apex;

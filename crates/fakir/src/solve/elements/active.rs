@@ -32,7 +32,7 @@ pub(super) struct Surface<'s, 'a> {
     /// Separation of the undeformed surfaces at every cell, m.
     pub(super) separation: &'s [f64],
     /// Whether a cell may carry pressure. Such cells must have a finite separation.
-    pub(super) may_bear: &'s dyn Fn(usize) -> bool,
+    pub(super) may_carry_load: &'s dyn Fn(usize) -> bool,
     /// Whether displacements can be negative.
     pub(super) rises: bool,
     pub(super) boundary: Boundary,
@@ -116,7 +116,7 @@ impl<'a> ActiveCells<'a> {
         load: Prescribed,
         settings: &Settings,
     ) -> Result<(Cells, ElementContact), SolveError> {
-        let allowed = Cells::where_true(&surface.grid, surface.may_bear);
+        let allowed = Cells::where_true(&surface.grid, surface.may_carry_load);
         let mut products = 0;
         let indentation = match load {
             Prescribed::Indentation(indentation) => Some(indentation),
@@ -132,7 +132,7 @@ impl<'a> ActiveCells<'a> {
                     }
                 }
                 let cells = Cells::where_true(&surface.grid, |cell| {
-                    seen.near[cell] && (surface.may_bear)(cell)
+                    seen.near[cell] && (surface.may_carry_load)(cell)
                 });
                 let values = start.on(&cells);
                 (cells, values)
@@ -179,7 +179,7 @@ impl<'a> ActiveCells<'a> {
                 seen.near[cell] = true;
             }
             let more = Cells::where_true(&surface.grid, |cell| {
-                seen.near[cell] && (surface.may_bear)(cell)
+                seen.near[cell] && (surface.may_carry_load)(cell)
             });
             if more.len() == cells.len() {
                 // The bound is NaN or affected by rounding: no cell can be added.
@@ -240,7 +240,8 @@ impl<'a> ActiveCells<'a> {
                 near[cell] = *pressure > 0.0;
             }
             let cells = Cells::where_true(&surface.grid, |cell| {
-                (surface.separation[cell] < indentation && (surface.may_bear)(cell)) || near[cell]
+                (surface.separation[cell] < indentation && (surface.may_carry_load)(cell))
+                    || near[cell]
             });
             near.fill(false);
             cells

@@ -199,7 +199,7 @@ fn state(
         layout: MeshLayout::Pattern,
         matched: true,
     };
-    let bears = !floor.cells.is_empty();
+    let loaded = !floor.cells.is_empty();
     let (gap, position) = contact.nearest_floor.unwrap_or((f64::INFINITY, [0.0; 2]));
     ContactState {
         indentation: contact.indentation,
@@ -208,8 +208,8 @@ fn state(
         contact_radius_error: width.hypot(height),
         pillars_in_contact: touched.len(),
         pillars_partially_in_contact: partial,
-        floor: bears.then_some(floor),
-        smallest_floor_gap: if bears { 0.0 } else { gap.max(0.0) },
+        floor: loaded.then_some(floor),
+        smallest_floor_gap: if loaded { 0.0 } else { gap.max(0.0) },
         smallest_gap_position: position,
         error: contact.error.unwrap_or(ErrorEstimate {
             force: f64::INFINITY,

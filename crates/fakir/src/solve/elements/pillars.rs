@@ -840,7 +840,7 @@ mod tests {
     use crate::halfspace::coupling::window::Window;
 
     #[test]
-    fn matched_cells_bear_the_force_of_a_flat_punch() {
+    fn matched_cells_carry_the_force_of_a_flat_punch() {
         // F = 2 E* a zeta, Johnson, Contact Mechanics, eq. 3.36, with a = E* = zeta = 1.
         for across in [4, 5, 8, 11, 16] {
             assert!((capacity(disc_cells(across, true, 1.0)) / 2.0 - 1.0).abs() < 1e-9);

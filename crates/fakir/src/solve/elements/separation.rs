@@ -108,7 +108,7 @@ impl Separation<'_> {
         let surface = Surface {
             grid,
             separation,
-            may_bear: &|cell| separation[cell] <= bound,
+            may_carry_load: &|cell| separation[cell] <= bound,
             rises,
             boundary: self.boundary,
             compliance: self.compliance,

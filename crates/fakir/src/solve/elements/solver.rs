@@ -767,7 +767,7 @@ mod tests {
     }
 
     #[test]
-    fn stops_when_asked() {
+    fn stops_when_cancelled() {
         let (mut operator, separation, area) = sphere();
         let cancel = CancelToken::default();
         cancel.cancel();
@@ -784,7 +784,7 @@ mod tests {
     }
 
     #[test]
-    fn says_that_it_did_not_converge() {
+    fn reports_that_it_did_not_converge() {
         let (mut operator, separation, area) = sphere();
         let settings = Settings {
             product_limit: 3,

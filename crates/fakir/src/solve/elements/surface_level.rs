@@ -311,7 +311,7 @@ impl<'a> Level<'a> {
         let surface = Surface {
             grid,
             separation: &self.separation,
-            may_bear: &|cell| {
+            may_carry_load: &|cell| {
                 self.separation[cell] <= bound
                     && self.floor.as_ref().is_none_or(|floor| !floor[cell])
             },

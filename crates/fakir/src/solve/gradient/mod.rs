@@ -61,7 +61,7 @@ pub(crate) fn gradient(
         target != Load::FloorContact && lowest.is_some_and(|point| point.indentation < indentation);
     if enters && system.floor_model() == FloorModel::Contact {
         return Err(refused(
-            "the floor between the pillars bears a part of the load; lower the load, or ignore the floor",
+            "the floor between the pillars carries a part of the load; lower the load, or ignore the floor",
         ));
     }
     let layer_changes = system.layer_changes(scene.length);

@@ -90,7 +90,7 @@ const STEP_LIMIT: usize = 40;
 const TOLERANCE: f64 = 1e-10;
 
 /// Pillars with a narrow contact at the rim, and the motion of that contact.
-type Slivers = Vec<(usize, Vec<Motion>)>;
+type RimContacts = Vec<(usize, Vec<Motion>)>;
 
 /// Derivatives of a converged solution, including those with respect to changes of the layers.
 pub(crate) fn scene_derivatives(
@@ -101,18 +101,18 @@ pub(crate) fn scene_derivatives(
     // The last entry is the derivative with respect to the logarithm of all thicknesses.
     let mut of_layers = of_layers.to_vec();
     of_layers.extend(by_thickness(&newton.scene.layers));
-    let slivers = slivers(newton)?;
+    let rim_contacts = rim_contacts(newton)?;
     let modes = newton.contact.modes();
     let mut unit_load = vec![0.0; newton.contact.coefficients().len()];
     for load in unit_load.iter_mut().step_by(modes) {
         *load = UNIT_FORCE;
     }
-    let mut adjoints = vec![Adjoint::new(newton, &slivers, &unit_load)?];
+    let mut adjoints = vec![Adjoint::new(newton, &rim_contacts, &unit_load)?];
     let stiffness = dot(&adjoints[0].coefficients, &unit_load);
     let mut amplification = 0.0;
     if let Some(point) = floor {
         let load = newton.point_load(point.position);
-        let adjoint = Adjoint::new(newton, &slivers, &load)?;
+        let adjoint = Adjoint::new(newton, &rim_contacts, &load)?;
         amplification = (1.0 - dot(&adjoint.coefficients, &unit_load)).recip();
         adjoints.push(adjoint);
     }
@@ -140,7 +140,7 @@ pub(crate) fn scene_derivatives(
         .collect();
     newton.run.check_cancelled()?;
     let change = (&change, &by_layers[..]);
-    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &slivers, change);
+    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &rim_contacts, change);
     newton.run.check_cancelled()?;
     let mut of_adjoints = of_adjoints.into_iter();
     let force = of_adjoints.next();
@@ -170,22 +170,26 @@ fn by_thickness(layers: &[WeightedLayer]) -> Option<Vec<WeightedLayer>> {
     (!layers.is_empty()).then(|| WeightedLayer::change(sides, 2.0 * CHANGE))
 }
 
-fn slivers(newton: &Newton<'_>) -> Result<Slivers, SolveError> {
+fn rim_contacts(newton: &Newton<'_>) -> Result<RimContacts, SolveError> {
     let mut solver = LocalSolver::new(&newton.tops.top);
     let one = |place: usize| {
         let load = newton.full_load(place);
-        let motions = newton.tops.sliver_motions(place, &load, &mut solver);
+        let motions = newton.tops.rim_contact_motions(place, &load, &mut solver);
         motions
             .map(|motions| (place, motions))
             .ok_or(SolveError::NoGradient {
                 why: "a pillar is only just touched at its rim; change the load a little",
             })
     };
-    newton.tops.slivers().map(one).collect()
+    newton.tops.rim_contacts().map(one).collect()
 }
 
 impl Adjoint {
-    fn new(newton: &mut Newton<'_>, slivers: &Slivers, source: &[f64]) -> Result<Self, SolveError> {
+    fn new(
+        newton: &mut Newton<'_>,
+        rim_contacts: &RimContacts,
+        source: &[f64],
+    ) -> Result<Self, SolveError> {
         let modes = newton.contact.modes();
         // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, plus `k`.
         let mut moved = vec![0.0; source.len()];
@@ -198,7 +202,7 @@ impl Adjoint {
             subtract(&mut load, &response.far);
             let largest = coefficients.iter().fold(0.0, |a, c| larger(a, c.abs()));
             let mut change = 0.0;
-            for (place, motions) in slivers {
+            for (place, motions) in rim_contacts {
                 let own = place * modes..(place + 1) * modes;
                 let mut next = vec![0.0; modes];
                 add_motions(motions, &load[own.clone()], &mut next);
@@ -268,7 +272,7 @@ fn by_load_and_operator(
     newton: &Newton<'_>,
     places: &[usize],
     adjoints: &[Adjoint],
-    slivers: &Slivers,
+    rim_contacts: &RimContacts,
     (change, by_layers): (&CouplingChange, &[Vec<f64>]),
 ) -> Vec<OfScene> {
     let modes = newton.contact.modes();
@@ -287,7 +291,7 @@ fn by_load_and_operator(
                 .iter()
                 .map(|adjoint| &adjoint.load[own.clone()])
                 .collect();
-            let (moments, responses) = tops.held_responses(place, &load, &changes, solver);
+            let (moments, responses) = tops.fixed_responses(place, &load, &changes, solver);
             (load, moments, responses)
         } else {
             let mut load = vec![0.0; modes];
@@ -312,9 +316,9 @@ fn by_load_and_operator(
             -body.radius * (u * on_disc[0] + v * on_disc[1])
         });
         let of_adjoint = |(number, adjoint): (usize, &Adjoint)| {
-            let held: &Vec<f64> = &responses[number];
-            let mut response = held.clone();
-            if let Some((_, motions)) = slivers.iter().find(|(of, _)| *of == place) {
+            let fixed: &Vec<f64> = &responses[number];
+            let mut response = fixed.clone();
+            if let Some((_, motions)) = rim_contacts.iter().find(|(of, _)| *of == place) {
                 add_motions(motions, &adjoint.load[own.clone()], &mut response);
             }
             let leading = &adjoint.coefficients[own.clone()];
@@ -339,8 +343,8 @@ fn by_load_and_operator(
                 raised: UNIT_FORCE * response[0],
                 // The column deforms under a narrow contact without moving it.
                 column: Column {
-                    shortening: -PI / body.radius * held[0] * moments[0],
-                    rocking: -TILT_COMPLIANCE / body.radius * work(&held[1..3], &moments[1..3]),
+                    shortening: -PI / body.radius * fixed[0] * moments[0],
+                    rocking: -TILT_COMPLIANCE / body.radius * work(&fixed[1..3], &moments[1..3]),
                 },
                 radius,
                 all_radii: own_radius + all_radii,
@@ -409,10 +413,10 @@ fn add_floor(
         let centre = newton.tops.sites.centres()[place];
         let radius = newton.tops.sites.body(place).radius;
         let moments = &newton.contact.coefficients()[place * modes..(place + 1) * modes];
-        let bears = |_: usize, mode: usize| moments[mode] / (radius * radius);
+        let load_of = |_: usize, mode: usize| moments[mode] / (radius * radius);
         let disc = LoadedDiscs {
             exterior: &newton.exterior,
-            discs: Discs::new([1, modes], |_| centre, |_| radius, [Some(&bears), None]),
+            discs: Discs::new([1, modes], |_| centre, |_| radius, [Some(&load_of), None]),
             run: newton.run,
         };
         let [field, _] = disc.displacement(point);

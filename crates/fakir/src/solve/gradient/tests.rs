@@ -62,7 +62,7 @@ impl States {
         !self.partial.is_empty()
     }
 
-    fn has_sliver(&self) -> bool {
+    fn has_rim_contact(&self) -> bool {
         let nodes = crate::halfspace::disc::basis::mode_count(self.degrees.tops.nodes);
         self.partial.iter().any(|(_, active)| active.len() != nodes)
     }
@@ -110,7 +110,7 @@ fn difference(
         Some([0, 1].map(|k| (ends[0][k] - ends[1][k]) / (2.0 * step)))
     };
     let whole = over(step)?;
-    if !states.has_sliver() {
+    if !states.has_rim_contact() {
         return Some(whole);
     }
     let half = over(0.5 * step)?;
@@ -244,14 +244,14 @@ fn derivative(of_scene: &OfScene, along: Along, places: &[usize]) -> f64 {
 struct Errors {
     full: f64,
     partial: f64,
-    sliver: f64,
+    rim_contact: f64,
     compared: usize,
 }
 
 impl Errors {
     fn add(&mut self, states: &States, error: f64) {
-        let of = match (states.has_sliver(), states.has_partial()) {
-            (true, _) => &mut self.sliver,
+        let of = match (states.has_rim_contact(), states.has_partial()) {
+            (true, _) => &mut self.rim_contact,
             (false, true) => &mut self.partial,
             (false, false) => &mut self.full,
         };
@@ -320,7 +320,7 @@ fn compare_arrangements(count: usize) {
                     _ => 1.0,
                 };
             // A narrow contact at a rim may double its depth within a small fraction of the pitch.
-            let step = if states.has_sliver() {
+            let step = if states.has_rim_contact() {
                 0.1 * step
             } else {
                 step
@@ -337,7 +337,7 @@ fn compare_arrangements(count: usize) {
                 let kind = kind.split('(').next().unwrap().to_owned();
                 add(&mut errors, &kind, &states, error);
             };
-            let unit = if states.has_sliver() { 1e-5 } else { 1e-4 } / step;
+            let unit = if states.has_rim_contact() { 1e-5 } else { 1e-4 } / step;
             if let Some(floor) = &found.floor {
                 let of_floor = derivative(floor, along, &found.places);
                 compare(
@@ -392,12 +392,12 @@ fn add(table: &mut Table, kind: &str, states: &States, error: f64) {
 fn check(table: &Table) {
     for (kind, errors) in table {
         println!(
-            "{kind}: {} compared, {:.1e}, in part {:.1e}, slivers {:.1e}",
-            errors.compared, errors.full, errors.partial, errors.sliver
+            "{kind}: {} compared, {:.1e}, in part {:.1e}, at a rim {:.1e}",
+            errors.compared, errors.full, errors.partial, errors.rim_contact
         );
     }
     for (kind, errors) in table {
-        let largest = errors.full.max(errors.partial).max(errors.sliver);
+        let largest = errors.full.max(errors.partial).max(errors.rim_contact);
         assert!(largest < TOLERANCE, "{kind}");
     }
 }
@@ -567,7 +567,7 @@ fn answer_difference(
         Some([0, 1].map(|k| (ends[0][k] - ends[1][k]) / (2.0 * step)))
     };
     let found = over(step)?;
-    if states.has_sliver() {
+    if states.has_rim_contact() {
         let other = over(0.4 * step)?;
         let ([force, indentation], _) = answer(&hexagonal.system(), control)?;
         let differ = |k: usize, value: f64| {
@@ -631,7 +631,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
         systems += 1;
         let values = [found.contact.force, found.contact.indentation];
         // A narrow contact at a rim may double its depth within a small fraction of the pitch.
-        let step = if states.has_sliver() { 1e-5 } else { 1e-4 };
+        let step = if states.has_rim_contact() { 1e-5 } else { 1e-4 };
         for (which, quantity) in QUANTITIES.into_iter().enumerate() {
             let Some(expected) = answer_difference(&hexagonal, which, control, &states, step)
             else {

@@ -493,7 +493,7 @@ mod tests {
     }
 
     #[test]
-    fn explicit_limit_has_its_known_constants_and_errors() {
+    fn explicit_limit_has_its_published_constants_and_errors() {
         // 1.4025 = eta (v_h - v_s) by hand; the errors as documented, 38.3 mN from the exact method.
         let system = intermediate(0.1);
         let ratio = system.external_compliance() / system.internal_compliance();

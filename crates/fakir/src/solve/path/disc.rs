@@ -1,6 +1,6 @@
 //! A contact disc inside the rim of one top, with its edge in equilibrium.
 
-use super::records::{CENTRED, Change, ChangedTop, HeldTop};
+use super::records::{AttachedTop, CENTRED, Change, ChangedTop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
 use crate::problem::Point;
@@ -77,8 +77,8 @@ impl InsideTop {
     }
 
     /// The disc as a top in contact.
-    pub(super) fn held_top(&self) -> HeldTop {
-        HeldTop {
+    pub(super) fn attached_top(&self) -> AttachedTop {
+        AttachedTop {
             index: self.index,
             centre: self.centre,
             raised: self.raised,

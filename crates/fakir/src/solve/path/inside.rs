@@ -64,7 +64,7 @@ impl Path<'_> {
 
     /// The quantity that the drive keeps fixed, for a disc.
     fn held_by(&self, inside: &InsideTop, patch: &Patch) -> f64 {
-        let [alpha, beta] = self.held.weights();
+        let [alpha, beta] = self.fixed.weights();
         alpha * inside.indentation(patch) + beta * patch.force
     }
 
@@ -109,19 +109,19 @@ impl Path<'_> {
         }
         let sag = self.sag_at();
         let edge = self.edge_of(&inside, &sag, Course::Loading);
-        let [alpha, _] = self.held.weights();
-        let held = alpha * touched_at;
+        let [alpha, _] = self.fixed.weights();
+        let fixed = alpha * touched_at;
         let measure = |patch: &Patch| self.held_by(&inside, patch);
         let least = self.detaching_radius(edge);
-        let snaps_to_rim = measure(&edge.at(inside.largest)) <= held;
+        let snaps_to_rim = measure(&edge.at(inside.largest)) <= fixed;
         if snaps_to_rim && least > (1.0 - AT_RIM) * inside.largest {
             // The top is too small for a disc inside it.
             return Ok(false);
         }
         let patch = if snaps_to_rim {
-            self.pinned_at_rim(&inside, &sag, held)
+            self.pinned_at_rim(&inside, &sag, fixed)
         } else {
-            edge.at(edge.find([least, inside.largest], held, measure))
+            edge.at(edge.find([least, inside.largest], fixed, measure))
         };
         drop(sag);
         self.advance(touched_at - self.indentation());
@@ -138,12 +138,12 @@ impl Path<'_> {
     }
 
     /// The largest disc at a fixed quantity of the drive, with an edge that is not loaded enough to move.
-    fn pinned_at_rim(&self, inside: &InsideTop, sag: &impl Fn(f64) -> f64, held: f64) -> Patch {
-        let [alpha, beta] = self.held.weights();
-        let own = held + alpha * inside.raised;
+    fn pinned_at_rim(&self, inside: &InsideTop, sag: &impl Fn(f64) -> f64, fixed: f64) -> Patch {
+        let [alpha, beta] = self.fixed.weights();
+        let own = fixed + alpha * inside.raised;
         inside
             .solver
-            .with_held(inside.largest, sag, [alpha, beta], own)
+            .with_fixed(inside.largest, sag, [alpha, beta], own)
     }
 
     /// Replaces the front by a disc where the rim of the only top in contact is about to detach and a disc inside it would not: as soon as
@@ -164,14 +164,15 @@ impl Path<'_> {
         let sag = self.sag_at();
         let edge = self.edge_of(&inside, &sag, Course::Unloading);
         let least = self.detaching_radius(edge);
-        let [alpha, beta] = self.held.weights();
+        let [alpha, beta] = self.fixed.weights();
         let (start, energy) = ([self.indentation(), self.force()], self.elastic_energy());
-        let held = alpha * start[0] + beta * start[1];
+        let fixed = alpha * start[0] + beta * start[1];
         let measure = |patch: &Patch| self.held_by(&inside, patch);
         // A rim that detaches on all sides leaves a disc, or no contact if the disc is unstable. A rim that detaches on one side leaves a
         // front.
-        let is_stable = least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= held;
-        let is_at_rim = measure(&edge.at(inside.largest)) < held;
+        let is_stable =
+            least < (1.0 - AT_RIM) * inside.largest && measure(&edge.at(least)) <= fixed;
+        let is_at_rim = measure(&edge.at(inside.largest)) < fixed;
         let recedes = if before.is_full() {
             inside.is_centred() || is_stable
         } else {
@@ -181,11 +182,11 @@ impl Path<'_> {
             return Ok(false);
         }
         let patch = if is_at_rim {
-            self.pinned_at_rim(&inside, &sag, held)
+            self.pinned_at_rim(&inside, &sag, fixed)
         } else if !is_stable {
             edge.at(inside.largest)
         } else {
-            edge.at(edge.find([least, inside.largest], held, measure))
+            edge.at(edge.find([least, inside.largest], fixed, measure))
         };
         drop(sag);
         let area = patch.radius * patch.radius;
@@ -334,7 +335,7 @@ impl Path<'_> {
         if present > recedes_at + f64::EPSILON * present.abs() {
             let at = target.max(recedes_at);
             let own = at + inside.raised;
-            let patch = inside.solver.with_held(radius, &sag, [1.0, 0.0], own);
+            let patch = inside.solver.with_fixed(radius, &sag, [1.0, 0.0], own);
             drop(sag);
             self.move_to_patch(Course::Unloading, patch);
             return Ok(stop(at));
@@ -366,11 +367,11 @@ impl Path<'_> {
             return Ok(());
         };
         let change = inside.changed([inside.patch.radius * inside.patch.radius, 0.0]);
-        let [alpha, beta] = self.held.weights();
+        let [alpha, beta] = self.fixed.weights();
         if alpha > 0.0 {
             // A testing machine moves the lens until the force is zero.
-            let held = alpha * start[0] + beta * start[1];
-            self.contact.move_to(held / alpha);
+            let fixed = alpha * start[0] + beta * start[1];
+            self.contact.move_to(fixed / alpha);
         }
         self.respond()?;
         self.account(Course::Unloading, start, energy, &change);

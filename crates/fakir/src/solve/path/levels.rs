@@ -26,8 +26,8 @@ impl Path<'_> {
     /// level, and half a level.
     pub(super) fn open_by_first_contact(&mut self) {
         let fronts = &self.tops.fronts;
-        let held = self.tops.domains.iter().filter(|domain| !domain.is_out());
-        let levels: Vec<usize> = held.map(|domain| domain.level).collect();
+        let attached = self.tops.domains.iter().filter(|domain| !domain.is_out());
+        let levels: Vec<usize> = attached.map(|domain| domain.level).collect();
         let Some(lowest) = levels.iter().copied().min().filter(|level| *level < LEVELS) else {
             return;
         };

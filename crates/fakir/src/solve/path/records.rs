@@ -2,8 +2,8 @@
 
 use crate::problem::Point;
 use crate::solve::floor::FloorPoint;
+use crate::solve::rules::bonded_floor::FloorStation;
 use crate::solve::rules::fronts::{Course, Domain};
-use crate::solve::rules::stuck_floor::FloorStation;
 use crate::state::Termination;
 
 /// Distance of the lens axis from the centre of a top, in top radii, below which the contact is centred: the disc fills the top.
@@ -14,14 +14,14 @@ pub(super) const AT_RIM: f64 = 1e-3;
 
 /// Quantity that is fixed while tops change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Held {
+pub(crate) enum FixedQuantity {
     Indentation,
     /// The crosshead position of a testing machine of this stiffness, in solver units.
     Crosshead(f64),
     Force,
 }
 
-impl Held {
+impl FixedQuantity {
     /// Weights of the fixed quantity `alpha zeta + beta F`.
     pub(super) fn weights(self) -> [f64; 2] {
         match self {
@@ -103,7 +103,7 @@ pub(crate) struct Energies {
 
 /// A top in contact, with its load.
 #[derive(Debug, Clone)]
-pub(crate) struct HeldTop {
+pub(crate) struct AttachedTop {
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
     /// Height above the common level.
@@ -114,7 +114,7 @@ pub(crate) struct HeldTop {
     pub(crate) disc: Option<f64>,
 }
 
-impl HeldTop {
+impl AttachedTop {
     /// Whether a disc inside the rim is in contact that touches the rim nowhere, or all around.
     pub(crate) fn has_free_disc(&self) -> bool {
         let from_centre = self.centre[0].hypot(self.centre[1]);
@@ -128,7 +128,7 @@ impl HeldTop {
 #[derive(Debug, Clone)]
 pub(crate) struct StrongestPull {
     pub(crate) station: usize,
-    pub(crate) tops: Vec<HeldTop>,
+    pub(crate) tops: Vec<AttachedTop>,
 }
 
 /// A top whose bonded region changed, with the fractions before and after and the number of levels between them.

@@ -126,14 +126,14 @@ impl Coarse {
     }
 
     /// `K^-1 x - x`, in place.
-    pub(crate) fn correct(&self, values: &mut [f64], room: &mut Vec<f32>) {
-        room.clear();
-        room.extend(values.iter().map(|x| *x as f32));
+    pub(crate) fn correct(&self, values: &mut [f64], workspace: &mut Vec<f32>) {
+        workspace.clear();
+        workspace.extend(values.iter().map(|x| *x as f32));
         widest(
             #[inline(always)]
-            || self.solve(room),
+            || self.solve(workspace),
         );
-        for (value, solved) in values.iter_mut().zip(room) {
+        for (value, solved) in values.iter_mut().zip(workspace) {
             *value = f64::from(*solved) - *value;
         }
     }

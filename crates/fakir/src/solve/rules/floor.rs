@@ -22,7 +22,7 @@ const TOLERANCE: f64 = 1e-9;
 pub(crate) struct FloorCells<'a> {
     pub(crate) grid: FloorGrid,
     /// Whether a cell carries pressure.
-    bears: Vec<bool>,
+    loaded: Vec<bool>,
     inverse: PeriodicInverse<'a, f32>,
     masked: Vec<f64>,
     folding: Folding,
@@ -40,7 +40,7 @@ impl<'a> FloorCells<'a> {
     /// Starts without pressure on any cell.
     pub(crate) fn new(grid: FloorGrid, pool: Option<&'a ThreadPool>) -> Self {
         Self {
-            bears: vec![false; grid.len()],
+            loaded: vec![false; grid.len()],
             inverse: match &grid.mirrors {
                 Some(mirrors) => PeriodicInverse::of_mirrored_means(mirrors.quadrant.clone(), pool),
                 None => PeriodicInverse::of_means(grid.cells.clone(), pool),
@@ -76,24 +76,24 @@ impl<'a> FloorCells<'a> {
     }
 
     /// Whether each cell carries pressure.
-    pub(crate) fn bears(&self) -> &[bool] {
-        &self.bears
+    pub(crate) fn loaded(&self) -> &[bool] {
+        &self.loaded
     }
 
     /// The cells that carry pressure.
-    pub(crate) fn bearing(&self) -> Cells {
+    pub(crate) fn loaded_cells(&self) -> Cells {
         let grid = self.grid.cells.grid();
-        let mut bears = vec![false; grid.cell_count()];
-        for (index, own) in self.grid.cells.indices().zip(&self.bears) {
-            bears[index] = *own;
+        let mut loaded = vec![false; grid.cell_count()];
+        for (index, own) in self.grid.cells.indices().zip(&self.loaded) {
+            loaded[index] = *own;
         }
-        Cells::where_true(grid, |index| bears[index])
+        Cells::where_true(grid, |index| loaded[index])
     }
 
     /// Sets which cells carry pressure.
-    pub(crate) fn set(&mut self, bears: impl Iterator<Item = bool>) {
-        for (state, bears) in self.bears.iter_mut().zip(bears) {
-            *state = bears;
+    pub(crate) fn set(&mut self, loaded: impl Iterator<Item = bool>) {
+        for (state, loaded) in self.loaded.iter_mut().zip(loaded) {
+            *state = loaded;
         }
         self.mirror();
     }
@@ -101,13 +101,13 @@ impl<'a> FloorCells<'a> {
     /// Gives mirror images the same state, regardless of rounding.
     fn mirror(&mut self) {
         if let Some(mirrors) = &self.grid.mirrors {
-            mirrors.mirror(&mut self.bears);
+            mirrors.mirror(&mut self.loaded);
         }
     }
 
     /// Sets whether one cell carries pressure.
-    pub(crate) fn set_one(&mut self, cell: usize, bears: bool) {
-        self.bears[cell] = bears;
+    pub(crate) fn set_one(&mut self, cell: usize, loaded: bool) {
+        self.loaded[cell] = loaded;
     }
 
     /// Updates the states from the current loads (positive if a cell must be displaced further) and coefficients.
@@ -123,25 +123,25 @@ impl<'a> FloorCells<'a> {
             cells: 0,
             mismatch: 0.0,
         };
-        let before = self.bears.clone();
-        for ((bears, load), coefficient) in self.bears.iter_mut().zip(loads).zip(coefficients) {
-            if *bears {
+        let before = self.loaded.clone();
+        for ((loaded, load), coefficient) in self.loaded.iter_mut().zip(loads).zip(coefficients) {
+            if *loaded {
                 change.mismatch = larger(change.mismatch, load.abs() / indentation);
-                *bears = *coefficient > -TOLERANCE * most;
+                *loaded = *coefficient > -TOLERANCE * most;
             } else {
-                *bears = !within(load, entered);
+                *loaded = !within(load, entered);
             }
         }
         self.mirror();
-        let states = before.iter().zip(&self.bears);
+        let states = before.iter().zip(&self.loaded);
         change.cells = states.filter(|(before, after)| before != after).count();
         change
     }
 
     /// Sets the values of cells without pressure to zero.
-    fn mask(bears: &[bool], values: &mut [f64]) {
-        for (value, bears) in values.iter_mut().zip(bears) {
-            *value = if *bears { *value } else { 0.0 };
+    fn mask(loaded: &[bool], values: &mut [f64]) {
+        for (value, loaded) in values.iter_mut().zip(loaded) {
+            *value = if *loaded { *value } else { 0.0 };
         }
     }
 }
@@ -155,7 +155,7 @@ pub(crate) struct Places<'n, 'a, T> {
 impl<T> Places<'_, '_, T> {
     /// Number of coefficients of pillar tops, given the total number.
     fn split(&self, size: usize) -> usize {
-        size - self.floor.as_ref().map_or(0, |floor| floor.bears.len())
+        size - self.floor.as_ref().map_or(0, |floor| floor.loaded.len())
     }
 }
 
@@ -165,7 +165,7 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
         let (of_tops, of_floor) = coefficients.split_at_mut(tops);
         self.tops.respond(&load[..tops], of_tops, workers);
         if let Some(floor) = &self.floor {
-            FloorCells::mask(&floor.bears, of_floor);
+            FloorCells::mask(&floor.loaded, of_floor);
             if let Some(mirrors) = &floor.grid.mirrors {
                 // Otherwise rounding differences between images, which no other step reduces, would persist.
                 mirrors.average(of_floor);
@@ -190,14 +190,14 @@ impl<T: Rule> Rule for Places<'_, '_, T> {
             .precondition(&residual[..tops], of_tops, load, workers);
         if let Some(floor) = &mut self.floor {
             floor.masked.copy_from_slice(&residual[tops..]);
-            FloorCells::mask(&floor.bears, &mut floor.masked);
+            FloorCells::mask(&floor.loaded, &mut floor.masked);
             let inverse = &mut floor.inverse;
             floor
                 .folding
                 .through(&floor.masked, of_floor, |left, pressure| {
                     inverse.apply(left, pressure);
                 });
-            FloorCells::mask(&floor.bears, of_floor);
+            FloorCells::mask(&floor.loaded, of_floor);
         }
     }
 }

@@ -329,7 +329,7 @@ impl FloorFronts {
 
     /// Attaches or detaches a cell.
     pub(crate) fn set(&mut self, cells: &mut FloorCells<'_>, cell: usize, bonded: bool) {
-        if cells.bears()[cell] == bonded {
+        if cells.loaded()[cell] == bonded {
             return;
         }
         cells.set_one(cell, bonded);
@@ -358,7 +358,7 @@ impl FloorFronts {
             let step = f64::from(smooth).clamp(0.0, 1.0) * STEPS as f64;
             self.pressures[step as usize]
         };
-        let all = cells.bears().iter().zip(&self.places).enumerate();
+        let all = cells.loaded().iter().zip(&self.places).enumerate();
         let changed = all.filter_map(|(cell, (bonded, place))| {
             let [before, now] = [&self.before, &self.smooth].map(|of| of[*place as usize]);
             let moved = *bonded && (before - now).abs() > LEAST_CHANGE;

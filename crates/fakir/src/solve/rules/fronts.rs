@@ -19,7 +19,7 @@ use crate::halfspace::disc::basis::{
 };
 use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
 use crate::problem::column::Column;
-use crate::state::fields::{Front, HeldPart};
+use crate::state::fields::{BondedRegion, Front};
 use std::f64::consts::{PI, TAU};
 
 /// Number of area levels, not counting the empty one; the last is the whole top.
@@ -302,18 +302,18 @@ impl Fronts {
     }
 
     /// Whether the centre of the top is in contact.
-    pub(crate) fn holds_centre(&self, domain: Domain) -> bool {
+    pub(crate) fn bonds_centre(&self, domain: Domain) -> bool {
         domain.is_full()
             || domain.is_partial() && self.shapes[domain.level][domain.curvature][1] > 0.0
     }
 
     /// Bonded region of a top in contact.
-    pub(crate) fn held_part(&self, domain: Domain) -> HeldPart {
+    pub(crate) fn bonded_region(&self, domain: Domain) -> BondedRegion {
         if domain.is_full() {
-            return HeldPart::All;
+            return BondedRegion::All;
         }
         let [curvature, place] = self.shapes[domain.level][domain.curvature];
-        HeldPart::Before(Front {
+        BondedRegion::Before(Front {
             curvature,
             place,
             direction: domain.direction,
@@ -495,10 +495,10 @@ impl Fronts {
         if !domain.is_partial() {
             return None;
         }
-        let wanted = direction(load);
-        let turn = (wanted - domain.direction + PI).rem_euclid(TAU) - PI;
+        let target = direction(load);
+        let turn = (target - domain.direction + PI).rem_euclid(TAU) - PI;
         let direction = if turn.abs() > DIRECTION_TOLERANCE {
-            wanted
+            target
         } else {
             domain.direction
         };
@@ -549,10 +549,10 @@ impl Fronts {
                 .into_iter()
                 .all(|l| l < 0.0),
             Course::Unloading if domain.is_full() => {
-                let held = -critical_stress_intensity_factor(self.works.receding);
+                let smallest = -critical_stress_intensity_factor(self.works.receding);
                 ends.map(|t| self.lowest_edge(load, t))
                     .into_iter()
-                    .all(|q| q > held)
+                    .all(|q| q > smallest)
             }
             _ => false,
         };
@@ -755,7 +755,7 @@ fn polynomials(change: &Entries, line: &[[f64; MODES]; 2], area: f64) -> [Quadra
     [energy, pressed]
 }
 
-/// First time from `start` at which a condition holds that can change only at the zeros of the polynomials.
+/// First time from `start` at which a condition is satisfied that can change only at the zeros of the polynomials.
 fn first_time(
     start: f64,
     polynomials: &[Quadratic; 2],

@@ -173,14 +173,14 @@ impl PatchSolver {
         self.at_depth(radius, &answers, (edge * radius - of_shape) / of_unit)
     }
 
-    /// The contact of a given radius at which `alpha` times its indentation plus `beta` times its force equals `held`, for any edge
+    /// The contact of a given radius at which `alpha` times its indentation plus `beta` times its force equals `fixed`, for any edge
     /// coefficient.
-    pub(crate) fn with_held(
+    pub(crate) fn with_fixed(
         &self,
         radius: f64,
         sag: impl Fn(f64) -> f64,
         [alpha, beta]: [f64; 2],
-        held: f64,
+        fixed: f64,
     ) -> Patch {
         let answers = self.answers(radius, sag);
         let measure = |depth: f64| {
@@ -189,7 +189,7 @@ impl PatchSolver {
         };
         // Linear in the depth.
         let start = measure(0.0);
-        self.at_depth(radius, &answers, (held - start) / (measure(1.0) - start))
+        self.at_depth(radius, &answers, (fixed - start) / (measure(1.0) - start))
     }
 
     /// Responses, times the radius, to the lens shape and to a unit depth: the influence matrix times these is `shape` and `b1`.
@@ -389,18 +389,18 @@ mod tests {
         let lens: f64 = 700.0;
         let solver = PatchSolver::new(0.4, &[]);
         let sag = |r: f64| r * r / (lens + (lens * lens - r * r).sqrt());
-        let wanted = solver.with_radius(0.37, sag);
+        let target = solver.with_radius(0.37, sag);
         let found = solver
-            .find(1.0, sag, |patch| patch.indentation, wanted.indentation)
+            .find(1.0, sag, |patch| patch.indentation, target.indentation)
             .unwrap();
         assert!((found.radius / 0.37 - 1.0).abs() < 1e-12);
         let by_force = solver
-            .find(1.0, sag, |patch| patch.force, wanted.force)
+            .find(1.0, sag, |patch| patch.force, target.force)
             .unwrap();
-        assert!((by_force.indentation / wanted.indentation - 1.0).abs() < 1e-12);
+        assert!((by_force.indentation / target.indentation - 1.0).abs() < 1e-12);
         assert!(
             solver
-                .find(0.3, sag, |patch| patch.force, wanted.force)
+                .find(0.3, sag, |patch| patch.force, target.force)
                 .is_none()
         );
     }

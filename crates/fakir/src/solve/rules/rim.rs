@@ -23,7 +23,7 @@ use crate::numerics::special::natural_logarithm;
 use crate::numerics::vector::{Lanes, widest};
 use crate::problem::Point;
 use crate::problem::column::Column;
-use crate::state::fields::SliverEdge;
+use crate::state::fields::RimContactEdge;
 use std::convert::Infallible;
 use std::f64::consts::{PI, TAU};
 
@@ -41,7 +41,7 @@ const SHALLOWEST: f64 = 1e-9;
 
 /// The region along the rim of a pillar top with a positive required displacement.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sliver {
+pub(crate) struct RimContact {
     /// Direction of its centre from the centre of the pillar, rad.
     direction: f64,
     half_angle: f64,
@@ -57,7 +57,7 @@ pub(crate) struct Motion {
     pub(crate) by_load: Vec<f64>,
 }
 
-impl Sliver {
+impl RimContact {
     /// Changes one measure by a fraction of the half angle, or of the depth.
     fn moved(&self, measure: usize, part: f64) -> (Self, f64) {
         let mut moved = *self;
@@ -129,7 +129,7 @@ impl Rim {
     }
 
     /// Required displacement of a point.
-    fn wanted(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
+    fn required(&mut self, load: &[f64], angle: f64, depth: f64) -> f64 {
         let (sin, cos) = angle.sin_cos();
         let mu = (depth * (2.0 - depth)).sqrt();
         self.basis
@@ -142,18 +142,18 @@ impl Rim {
         let count = self.values.len();
         let of_place =
             |values: &[f64]| -> f64 { values.iter().zip(load).map(|(y, b)| y * b).sum() };
-        let wanted = self.places.chunks_exact(count).map(of_place);
-        let (place, wanted) =
-            wanted
+        let required = self.places.chunks_exact(count).map(of_place);
+        let (place, required) =
+            required
                 .enumerate()
-                .fold((0, f64::NEG_INFINITY), |best, (place, wanted)| {
-                    if wanted > best.1 {
-                        (place, wanted)
+                .fold((0, f64::NEG_INFINITY), |best, (place, required)| {
+                    if required > best.1 {
+                        (place, required)
                     } else {
                         best
                     }
                 });
-        (Self::angle(place), wanted)
+        (Self::angle(place), required)
     }
 
     /// Derivative of the required displacement of the rim with respect to the angle.
@@ -175,22 +175,22 @@ impl Rim {
         let start = angle - step;
         let rises = |rim: &mut Self, along: f64| rim.slope(load, start + along);
         let along = first_zero(2.0 * step, |along| rises(self, along)).unwrap_or(step);
-        (start + along, self.wanted(load, start + along, 0.0))
+        (start + along, self.required(load, start + along, 0.0))
     }
 
     /// Whether the required displacement is positive anywhere on the rim.
     pub(crate) fn is_touched(&mut self, load: &[f64]) -> bool {
-        let (angle, wanted) = self.highest_place(load);
+        let (angle, required) = self.highest_place(load);
         let between = self.between.iter().zip(load);
         let between: f64 = between.map(|(most, b)| most * b.abs()).sum();
-        wanted > 0.0 || (wanted + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
+        required > 0.0 || (required + between > 0.0 && self.maximum_near(load, angle).1 > 0.0)
     }
 
     /// The narrow region along the rim with a positive required displacement, if that is the whole contact. The limits are slightly larger
     /// if it was narrow `before`.
-    pub(crate) fn sliver(&mut self, load: &[f64], before: bool) -> Option<Sliver> {
+    pub(crate) fn rim_contact(&mut self, load: &[f64], before: bool) -> Option<RimContact> {
         let [direction, left, right, depth] = self.ends(load, before)?;
-        Some(Sliver {
+        Some(RimContact {
             direction,
             half_angle: left.max(right),
             depth,
@@ -203,17 +203,17 @@ impl Rim {
         let [largest_angle, largest_depth] = LARGEST.map(|largest| largest * slack);
         let (place, _) = self.highest_place(load);
         // Most contacts extend farther inwards.
-        if self.wanted(load, place, largest_depth) > 0.0 {
+        if self.required(load, place, largest_depth) > 0.0 {
             return None;
         }
-        let (direction, wanted) = self.maximum_near(load, place);
-        if wanted.is_nan() || wanted <= 0.0 {
+        let (direction, required) = self.maximum_near(load, place);
+        if required.is_nan() || required <= 0.0 {
             return None;
         }
-        let depth = first_zero(largest_depth, |depth| self.wanted(load, direction, depth))?;
+        let depth = first_zero(largest_depth, |depth| self.required(load, direction, depth))?;
         let [left, right] = [-1.0_f64, 1.0].map(|side| {
             first_zero(largest_angle, |angle| {
-                self.wanted(load, direction + side * angle, 0.0)
+                self.required(load, direction + side * angle, 0.0)
             })
         });
         (depth > SHALLOWEST).then_some([direction, left?, right?, depth])
@@ -222,8 +222,8 @@ impl Rim {
 
 impl Rim {
     /// The narrow region of a load, and the derivatives of its measures; `None` if it has only just formed.
-    fn moving_sliver(&mut self, load: &[f64]) -> Option<(Sliver, [Vec<f64>; 3])> {
-        let sliver = self.sliver(load, true)?;
+    fn moving_rim_contact(&mut self, load: &[f64]) -> Option<(RimContact, [Vec<f64>; 3])> {
+        let rim_contact = self.rim_contact(load, true)?;
         // The wider side is the same for all steps.
         let [_, left, right, _] = self.ends(load, true)?;
         let side = if left > right { 1 } else { 2 };
@@ -242,7 +242,7 @@ impl Rim {
                 derivative[mode] = value / height;
             }
         }
-        Some((sliver, derivatives))
+        Some((rim_contact, derivatives))
     }
 }
 
@@ -317,16 +317,17 @@ impl RimSolver {
 
     /// Divides a region into cells, ring by ring. If `as_before` is set, the classification of near and distant cells is kept, so that
     /// influences change smoothly.
-    fn divide(&mut self, sliver: &Sliver, as_before: bool) {
+    fn divide(&mut self, rim_contact: &RimContact, as_before: bool) {
         let [along, across] = self.shape;
-        let step = 2.0 * sliver.half_angle / along as f64;
-        let depth = |ring: usize| sliver.depth * (ring as f64 / across as f64).powi(2);
+        let step = 2.0 * rim_contact.half_angle / along as f64;
+        let depth = |ring: usize| rim_contact.depth * (ring as f64 / across as f64).powi(2);
         self.cells.clear();
         for ring in 0..across {
             let (outer, inner) = (depth(ring), depth(ring + 1));
             let radius = 1.0 - 0.5 * (outer + inner);
             for sector in 0..along {
-                let angle = sliver.direction - sliver.half_angle + step * (sector as f64 + 0.5);
+                let angle =
+                    rim_contact.direction - rim_contact.half_angle + step * (sector as f64 + 0.5);
                 self.cells.push(Cell {
                     angle,
                     radius,
@@ -390,11 +391,11 @@ impl RimSolver {
     /// return.
     pub(crate) fn solve(
         &mut self,
-        sliver: &Sliver,
+        rim_contact: &RimContact,
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        self.divide(sliver, false);
+        self.divide(rim_contact, false);
         self.prepare(load);
         if active.len() != self.cells.len() {
             *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
@@ -403,7 +404,12 @@ impl RimSolver {
     }
 
     /// Coefficients at another load for the cells of the last solution, with those in contact held fixed.
-    pub(crate) fn respond_held(&mut self, load: &[f64], active: &[bool], coefficients: &mut [f64]) {
+    pub(crate) fn respond_fixed(
+        &mut self,
+        load: &[f64],
+        active: &[bool],
+        coefficients: &mut [f64],
+    ) {
         self.prepare(load);
         self.pivot.solve_active(&self.influence, active);
         self.coefficients(coefficients);
@@ -417,14 +423,14 @@ impl RimSolver {
         load: &[f64],
         active: &[bool],
     ) -> Option<Vec<Motion>> {
-        let (sliver, by_load) = rim.moving_sliver(load)?;
-        self.divide(&sliver, false);
+        let (rim_contact, by_load) = rim.moving_rim_contact(load)?;
+        self.divide(&rim_contact, false);
         let of_measure = |(measure, by_load): (usize, Vec<f64>)| {
-            let (_, size) = sliver.moved(measure, 0.0);
+            let (_, size) = rim_contact.moved(measure, 0.0);
             let change = derivative(|part| {
-                self.divide(&sliver.moved(measure, part).0, true);
+                self.divide(&rim_contact.moved(measure, part).0, true);
                 let mut coefficients = vec![0.0; self.lead];
-                self.respond_held(load, active, &mut coefficients);
+                self.respond_fixed(load, active, &mut coefficients);
                 Ok::<_, Infallible>(coefficients)
             });
             let change = change.unwrap_or_else(|never| match never {});
@@ -438,16 +444,16 @@ impl RimSolver {
 
     /// Gaps without forces, `-V b`.
     fn prepare(&mut self, load: &[f64]) {
-        let wanted = self.values.chunks_exact(self.count).map(|values| {
+        let required = self.values.chunks_exact(self.count).map(|values| {
             let terms = values.iter().zip(load);
             terms.map(|(y, b)| y * b).sum::<f64>()
         });
-        for (constant, wanted) in self.pivot.constant.iter_mut().zip(wanted) {
-            *constant = -wanted;
+        for (constant, required) in self.pivot.constant.iter_mut().zip(required) {
+            *constant = -required;
         }
     }
 
-    /// `c = V' f`, as many as `coefficients` holds.
+    /// `c = V' f`, as many as `coefficients` contains.
     pub(crate) fn coefficients(&self, coefficients: &mut [f64]) {
         coefficients.fill(0.0);
         for (cell, force) in self.pivot.multipliers() {
@@ -469,9 +475,9 @@ impl RimSolver {
     }
 
     /// The edge of the contact, and its largest distance from an axis given relative to the centre of the pillar.
-    pub(crate) fn edge(&self, [x, y]: Point) -> SliverEdge {
+    pub(crate) fn edge(&self, [x, y]: Point) -> RimContactEdge {
         let [along, _] = self.shape;
-        let mut edge = SliverEdge {
+        let mut edge = RimContactEdge {
             points: Vec::new(),
             reach: 0.0,
             error: 0.0,
@@ -674,7 +680,7 @@ mod tests {
     }
 
     #[test]
-    fn slivers_converge_and_join_the_nodes() {
+    fn narrow_contacts_at_a_rim_converge_and_join_the_nodes() {
         // The depth of the lens at the rim determines the size of the region; the largest one is also resolved by nodes, within their
         // accuracy.
         for depth in [1e-10, 1e-7, 1e-5, 1e-4] {

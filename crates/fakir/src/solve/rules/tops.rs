@@ -130,7 +130,7 @@ impl Change {
     }
 }
 
-/// `b`: the lens shape over a pillar top and the height of the top, in as many modes as `load` holds.
+/// `b`: the lens shape over a pillar top and the height of the top, in as many modes as `load` contains.
 pub(crate) fn lens_over(
     lens: &ShapedLens,
     projector: &LensProjector,
@@ -173,7 +173,7 @@ impl Tops {
         self.top.on_column(self.sites.body(pillar).column)
     }
 
-    /// The lens shape and the height of a pillar, in as many modes as `load` holds.
+    /// The lens shape and the height of a pillar, in as many modes as `load` contains.
     fn project(&self, pillar: usize, load: &mut [f64]) {
         lens_over(&self.lens, &self.projector, &self.sites, pillar, load);
     }
@@ -318,11 +318,11 @@ impl Tops {
         load: &[f64],
         solver: &mut LocalSolver,
     ) -> Vec<f64> {
-        self.held_responses(pillar, load, &[], solver).0
+        self.fixed_responses(pillar, load, &[], solver).0
     }
 
     /// The same, and the changes of all moments due to changes of the leading load with the state of the pillar held fixed.
-    pub(crate) fn held_responses(
+    pub(crate) fn fixed_responses(
         &self,
         pillar: usize,
         load: &[f64],
@@ -336,7 +336,7 @@ impl Tops {
         scale(&mut coefficients, radius);
         let mut respond = |change: &&[f64]| {
             let mut response = vec![0.0; top.count()];
-            solver.respond_held(&top, change, &active, &mut response);
+            solver.respond_fixed(&top, change, &active, &mut response);
             scale(&mut response, radius);
             response
         };
@@ -358,7 +358,7 @@ impl Tops {
     }
 
     /// Pillars with a narrow contact at their rim.
-    pub(crate) fn slivers(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn rim_contacts(&self) -> impl Iterator<Item = usize> {
         let on_cells = |partial: &&Partial| partial.active.len() != self.top.count();
         self.partial
             .iter()
@@ -368,7 +368,7 @@ impl Tops {
 
     /// Change of the moments of a pillar with a narrow contact at the rim as that contact moves with its load; `None` if it has only just
     /// formed.
-    pub(crate) fn sliver_motions(
+    pub(crate) fn rim_contact_motions(
         &self,
         pillar: usize,
         load: &[f64],
@@ -382,7 +382,7 @@ impl Tops {
         Some(motions)
     }
 
-    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` holds, for a function of the position relative to the lens
+    /// `∫ Y_i g dOmega` over the top of a pillar, in as many modes as `load` contains, for a function of the position relative to the lens
     /// axis and on the unit disc.
     pub(crate) fn project_function(
         &self,

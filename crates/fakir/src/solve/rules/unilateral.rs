@@ -7,7 +7,7 @@
 //!
 //! A narrow contact along the rim is not resolved by the nodes; it is solved on [cells](super::rim) instead.
 
-use super::rim::{Motion, Rim, RimSolver, Sliver};
+use super::rim::{Motion, Rim, RimContact, RimSolver};
 use crate::halfspace::disc::basis::{
     BasisEvaluator, column_factors, compliances, degree_with, mode_count,
 };
@@ -215,19 +215,19 @@ impl PillarTop {
 
     /// The status on a column, if the mean load exceeds all variations over the top, for either sign.
     pub(crate) fn plain_status(&self, load: &[f64], column: Column) -> Option<PillarStatus> {
-        let (mut wanted, mut pressure) = (0.0, 0.0);
+        let (mut target, mut pressure) = (0.0, 0.0);
         let [of_mean, of_tilts, _] = self.ratios(column);
         let modes = load.iter().zip(&self.compliance).zip(&self.bounds);
         for (mode, ((load, lambda), bound)) in modes.enumerate().skip(1) {
-            wanted += load.abs() * bound;
+            target += load.abs() * bound;
             let ratio = if mode < 3 { of_tilts } else { 1.0 };
             pressure += (load / lambda * ratio).abs() * bound;
         }
         let (load, bound) = (*load.first()?, self.bounds[0]);
         let mean = load / self.compliance[0] * of_mean;
-        if load * bound > wanted && mean * bound > pressure {
+        if load * bound > target && mean * bound > pressure {
             Some(PillarStatus::Full)
-        } else if load * bound < -wanted {
+        } else if load * bound < -target {
             Some(PillarStatus::Untouched)
         } else {
             None
@@ -246,11 +246,11 @@ impl PillarTop {
         let mut smallest = f64::INFINITY;
         let mut largest = 0.0_f64;
         for node in 0..self.count {
-            let wanted = self.values(node).iter().zip(load);
-            let wanted = wanted.map(|(y, b)| y * b).sum();
+            let target = self.values(node).iter().zip(load);
+            let target = target.map(|(y, b)| y * b).sum();
             let of_modes = self.pressures.iter().skip(node).step_by(self.count);
             let pressure: f64 = of_modes.zip(load).map(|(p, b)| p * b).sum();
-            touched |= !within(wanted, 0.0);
+            touched |= !within(target, 0.0);
             smallest = smaller(smallest, pressure);
             largest = larger(largest, pressure.abs());
         }
@@ -276,14 +276,19 @@ impl LocalSolver {
     }
 
     /// The narrow region of contact of a load, if that is the whole contact.
-    fn sliver(&mut self, top: &PillarTop, load: &[f64], active: &[bool]) -> Option<Sliver> {
+    fn rim_contact(
+        &mut self,
+        top: &PillarTop,
+        load: &[f64],
+        active: &[bool],
+    ) -> Option<RimContact> {
         if top.resolution.rings == 0 {
             return None;
         }
         let rim = self
             .rim
             .get_or_insert_with(|| Rim::new(degree_with(load.len())));
-        rim.sliver(load, !active.is_empty() && active.len() != top.count)
+        rim.rim_contact(load, !active.is_empty() && active.len() != top.count)
     }
 
     /// Computes the pressure under `load` (leading modes suffice; the others count as zero).
@@ -296,7 +301,7 @@ impl LocalSolver {
         load: &[f64],
         active: &mut Vec<bool>,
     ) -> Pivoting {
-        if let Some(sliver) = self.sliver(top, load, active) {
+        if let Some(rim_contact) = self.rim_contact(top, load, active) {
             self.on_cells = true;
             if self.column != Some(top.column) {
                 (self.cells, self.column) = (None, Some(top.column));
@@ -304,7 +309,7 @@ impl LocalSolver {
             let cells = self.cells.get_or_insert_with(|| {
                 Box::new(RimSolver::new(top.resolution, top.lead, top.column))
             });
-            return cells.solve(&sliver, load, active);
+            return cells.solve(&rim_contact, load, active);
         }
         self.on_cells = false;
         top.pressures(load, &mut self.pivot.constant);
@@ -323,7 +328,7 @@ impl LocalSolver {
         self.cells.as_deref().filter(|_| self.on_cells)
     }
 
-    /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` holds.
+    /// Coefficients of the solution, `Lam^-1 (b + V' s)`: as many as `coefficients` contains.
     pub(crate) fn coefficients(&self, top: &PillarTop, load: &[f64], coefficients: &mut [f64]) {
         if let Some(cells) = self.cells() {
             return cells.coefficients(coefficients);
@@ -342,7 +347,7 @@ impl LocalSolver {
     }
 
     /// Coefficients at another load, of any sign, with the nodes or cells of the last solution held fixed.
-    pub(crate) fn respond_held(
+    pub(crate) fn respond_fixed(
         &mut self,
         top: &PillarTop,
         load: &[f64],
@@ -352,7 +357,7 @@ impl LocalSolver {
         if self.on_cells
             && let Some(cells) = &mut self.cells
         {
-            return cells.respond_held(load, active, coefficients);
+            return cells.respond_fixed(load, active, coefficients);
         }
         top.pressures(load, &mut self.pivot.constant);
         self.pivot.solve_active(&top.response, active);
@@ -401,14 +406,14 @@ mod tests {
     use crate::numerics::vector::dot;
 
     /// Projects a required displacement on the modes.
-    fn project(degree: usize, wanted: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
+    fn project(degree: usize, target: impl Fn([f64; 2]) -> f64) -> Vec<f64> {
         let mut basis = BasisEvaluator::new(degree);
         let mut values = vec![0.0; mode_count(degree)];
         let mut load = vec![0.0; mode_count(degree)];
         for (point, weight) in hemisphere(degree + 4, 4 * degree + 9) {
             basis.evaluate(point, &mut values);
             for (b, y) in load.iter_mut().zip(&values) {
-                *b += weight * wanted(point) * y;
+                *b += weight * target(point) * y;
             }
         }
         load

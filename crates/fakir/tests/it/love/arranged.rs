@@ -160,9 +160,9 @@ fn random_arrangements_agree_with_the_spectral_method() {
 #[test]
 #[ignore = "slow: 95 arrangements more"]
 fn many_random_arrangements_agree_with_the_spectral_method() {
-    let told = agreeing(100);
+    let agreed = agreeing(100);
     // For light contacts on one inclined top, the estimates may exceed all digits.
-    assert!(told >= 98, "{told}");
+    assert!(agreed >= 98, "{agreed}");
 }
 
 /// The number of arrangements for which the methods agree; none may disagree: square, oblique, with scattered heights, missing pillars, of
@@ -170,7 +170,7 @@ fn many_random_arrangements_agree_with_the_spectral_method() {
 fn agreeing(count: u64) -> usize {
     let opinions: Vec<_> = (0..count).into_par_iter().map(opinion).collect();
     let mut largest = 0.0_f64;
-    let mut told = 0;
+    let mut agreed = 0;
     for (number, (name, control, verification)) in opinions.iter().enumerate() {
         let pairs = [verification.force, verification.indentation];
         let ratio = pairs
@@ -182,7 +182,7 @@ fn agreeing(count: u64) -> usize {
         } = verification;
         let [force, indentation] = pairs.map(|pair| pair.relative);
         println!(
-            "{number:3} {name:17} {control:?}: {} touched, {} in part, {:.3e} um; differ by {force:.1e} and {indentation:.1e}, claimed by spectral {:.1e} {:.1e}, by elements {:.1e} {:.1e}, ratio {ratio:.2}",
+            "{number:3} {name:17} {control:?}: {} touched, {} in part, {:.3e} um; differ by {force:.1e} and {indentation:.1e}, estimated by spectral {:.1e} {:.1e}, by boundary elements {:.1e} {:.1e}, ratio {ratio:.2}",
             spectral.pillars_in_contact,
             spectral.pillars_partially_in_contact,
             1e6 * spectral.indentation,
@@ -193,11 +193,13 @@ fn agreeing(count: u64) -> usize {
         );
         let verdict = verification.verdict();
         assert_ne!(verdict, Verdict::Disagree, "{number}: {verification:?}");
-        told += usize::from(verdict == Verdict::Agree);
+        agreed += usize::from(verdict == Verdict::Agree);
         largest = largest.max(ratio);
     }
-    println!("{told} of {count} agree; the largest difference over the estimates is {largest:.2}");
-    told
+    println!(
+        "{agreed} of {count} agree; the largest difference over the estimates is {largest:.2}"
+    );
+    agreed
 }
 
 #[test]

@@ -1,33 +1,33 @@
-"""A floor that sticks: the cycle grows while it is solved and can be called off; the jump, the filled holes and the loss are shown."""
+"""Adhesive floor: the cycle is drawn while it is solved and can be cancelled; the jump, the hollow sites in contact and the detachment are shown."""
 
 import re
 import time
 
 import pytest
-from test_cycle import asked, command_line, force, quantity, sticky
+from test_cycle import adhesive, asked, command_line, force, quantity
 
-STUCK = "adhesion.floor=true"
+ADHESIVE_FLOOR = "adhesion.floor=true"
 
-# Six holes are filled, in about a second.
-QUICK = sticky(0.03, 0.001, STUCK)
+# Contact at six hollow sites; takes about a second.
+QUICK = adhesive(0.03, 0.001, ADHESIVE_FLOOR)
 
-# Most of a minute: the rings round pillars are narrow.
-LONG = sticky(0.03, 0.05, STUCK)
+# Takes most of a minute: the free annuli around pillars are narrow.
+LONG = adhesive(0.03, 0.05, ADHESIVE_FLOOR)
 
 
 @pytest.fixture(scope="module")
 def expected():
-    settings = ("pattern.surface_fraction=0.03", "adhesion.work=1mJ/m2", STUCK)
+    settings = ("pattern.surface_fraction=0.03", "adhesion.work=1mJ/m2", ADHESIVE_FLOOR)
     return command_line(*(part for setting in settings for part in ("--set", setting)))
 
 
 def until_solving(page):
-    """Waits until a long cycle has come to the floor."""
+    """Waits until a long cycle has reached the floor."""
     page.until("/fronts on the floor, round/.test(document.getElementById('cycle-stage').textContent)")
 
 
 def floor_pixels(page):
-    """How many places in the middle of the map have a colour of a floor that pulls: purple, as pillars are farther out only."""
+    """Number of pixels in the middle of the map with the colour of tension on the floor, purple; pillars are farther out only."""
     return page.page.evaluate(
         """() => {
             const map = document.getElementById("map");
@@ -43,22 +43,22 @@ def floor_pixels(page):
     )
 
 
-def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
+def test_the_jump_and_the_loss_of_the_floor_are_described(explore, expected):
     page = explore(QUICK)
     assert asked(page, "/api/cycle") == 1 and asked(page, "/api/contact") == 0
     assert page.text("load-words") == "after the jump onto the floor"
     assert force(page) == pytest.approx(expected["turn_force_N"], rel=1e-3)
     floor = expected["floor"]
     jump, last = floor["jump"], floor["last"]
-    words = page.text("stuck-floor")
-    told = re.match(
+    words = page.text("adhesive-floor")
+    printed = re.match(
         r"Jump onto the floor at ζ = (.*?): (\d+) holes? filled, ([\d ]+) µm2 in contact \(error (.*?)\), "
         r"force from (.*?) to (.*?) \(error (.*?)\)\. "
         r"Floor detaches between ζ = (.*?) and (.*?) \(error (.*?)\), force from (.*?) to (.*?)\.$",
         words,
     )
-    assert told, words
-    at, holes, area, area_error, before, after, force_error, lost, gone, lost_error, held, free = told.groups()
+    assert printed, words
+    at, holes, area, area_error, before, after, force_error, lost, gone, lost_error, held, free = printed.groups()
     assert quantity(at) == pytest.approx(jump["indentation_m"], rel=0.01)
     assert int(holes) == jump["filled_holes"] == 6
     assert float(area.replace(" ", "")) == pytest.approx(1e12 * jump["floor_contact_area_m2"], rel=0.01)
@@ -77,10 +77,10 @@ def test_the_jump_and_the_loss_of_the_floor_are_told(explore, expected):
     assert locate("#loading path.floor-jump").count() == 1
     assert page.page.is_visible("#loading-legend .floor-jump")
     note = re.sub(r"\s+", " ", page.page.locator("#cycle-numbers > .remark").inner_text())
-    assert "has jumped onto it" in note and "does not stick" not in note
+    assert "has jumped onto it" in note and "is not adhesive" not in note
 
 
-def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
+def test_the_slider_passes_the_jump_and_the_loss(explore, expected):
     page = explore(QUICK)
     page.page.click("#to-critical")
     assert page.text("load-words") == "critical state"
@@ -96,7 +96,7 @@ def test_the_slider_goes_through_the_jump_and_the_loss(explore, expected):
         forces.append(force(page))
         page.press("ArrowRight")
     floor = expected["floor"]
-    # The states on both sides of the loss are among those that are kept.
+    # The states before and after the detachment are among those that are stored.
     assert forces[-1] == pytest.approx(floor["last"]["force_N"], rel=1e-3)
     assert force(page) == pytest.approx(floor["force_after_loss_N"], rel=1e-3)
     page.page.click("#to-pull-off")
@@ -120,19 +120,19 @@ def test_filled_holes_are_on_the_map_and_in_the_section(explore):
     assert on_floor > 500 and floor_pixels(page) == 0
 
 
-def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
-    plain = explore(sticky(0.03, 0.05))
+def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
+    plain = explore(adhesive(0.03, 0.05))
     page = explore(LONG, rests=False)
     until_solving(page)
-    # What is known before the jump is shown: as without the floor.
+    # Before the jump the results are shown, as without the floor.
     assert page.results() == plain.results()
     assert page.text("load-words") == "critical state, the rest is being solved"
     assert page.text("pillars") == plain.text("pillars")
     assert "55 in contact" in page.text("load-numbers")
-    # Many cells, and enough of them across the rings round pillars.
+    # Many cells, with a sufficient number across the free annuli around pillars.
     assert "220\u202f000 cells" in page.text("cells-note") and "orders of magnitude" not in page.text("cells-note")
     assert page.page.evaluate("() => document.body.dataset.busy") == "yes"
-    # It goes on, and the curve with it.
+    # The computation and the curve continue.
     stage = page.text("cycle-stage")
     assert re.match(r"loading, ζ = .* µm, fronts on the floor, round \d+, about \d+ %, [\d.]+ s$", stage), stage
     page.until("document.getElementById('cycle-stage').textContent.startsWith('unloading, ')", 60)
@@ -148,34 +148,34 @@ def test_a_long_cycle_grows_says_so_and_is_called_off_at_once(explore):
     assert page.text("cycle-stage") == page.text("status") == "cancelled"
     assert page.text("load-words") == "critical state, the rest cancelled"
     assert page.page.locator("#loading path.unloading").count() == 1
-    # The next answer has all threads.
+    # The next answer uses all threads.
     start = time.monotonic()
     page.enter("adhesion.work", "1 mJ/m2")
     assert page.text("load-words") == "after the jump onto the floor"
     assert time.monotonic() - start < 10
-    assert not page.page.is_visible("#ask-again") and page.text("cells-note") == ""
+    assert not page.page.is_visible("#request-again") and page.text("cells-note") == ""
 
 
-def test_what_was_called_off_is_asked_again_and_another_slider_takes_its_place(explore):
+def test_a_cancelled_request_is_sent_again_and_is_replaced_by_another_slider(explore):
     page = explore(QUICK)
     page.change("adhesion.work", "50 mJ/m2")
     until_solving(page)
     page.page.click("#call-off")
     page.rest()
-    page.page.click("#ask-again")
+    page.page.click("#request-again")
     until_solving(page)
-    assert page.page.is_visible("#call-off") and not page.page.is_visible("#ask-again")
+    assert page.page.is_visible("#call-off") and not page.page.is_visible("#request-again")
     page.page.focus("#adhesion-work-slider")
     page.press("Home")
     page.rest()
-    # Without adhesion nothing sticks, the floor neither.
+    # Without a work of adhesion the floor is not adhesive either.
     assert page.text("load-words") == "critical state"
     for name in ("#cycle-progress", "#cells-note", "#to-jump", "#adhesion-floor"):
         assert not page.page.is_visible(name), name
     assert "adhesion" not in page.text("case-file")
 
 
-def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
+def test_rings_too_narrow_for_cells_cause_a_note_before_they_are_solved(explore):
     page = explore(QUICK)
     page.change("adhesion.work", "200 mJ/m2")
     page.until("/orders of magnitude/.test(document.getElementById('cells-note').textContent)")
@@ -184,40 +184,40 @@ def test_rings_too_narrow_for_cells_are_told_before_they_are_solved(explore):
     page.rest()
 
 
-def test_the_floor_is_let_stick_on_the_page(explore):
-    page = explore(sticky(0.03, 0.001))
-    assert not page.page.is_visible("#stuck-floor") and not page.page.is_visible("#to-jump")
+def test_the_floor_can_be_made_adhesive_on_the_page(explore):
+    page = explore(adhesive(0.03, 0.001))
+    assert not page.page.is_visible("#adhesive-floor") and not page.page.is_visible("#to-jump")
     assert page.text("load-words") == "critical state"
     page.page.check("#adhesion-floor")
     page.rest()
-    assert page.page.is_visible("#stuck-floor") and page.page.is_visible("#to-jump")
+    assert page.page.is_visible("#adhesive-floor") and page.page.is_visible("#to-jump")
     assert "floor = true" in page.text("case-file")
     assert "adhesion.floor=true" in page.text("command")
     assert "floor=True" in page.text("python")
-    # The substrates of the paper leave it as it is.
+    # The substrates of the paper do not change it.
     page.page.click("[data-preset=rigid]")
     page.rest()
     assert page.page.is_checked("#adhesion-floor")
     page.page.click("[data-preset=intermediate]")
     page.rest()
-    # A floor that the lens goes through does not stick.
+    # A floor whose contact is ignored is not adhesive.
     page.page.uncheck("#floor-contact")
     page.rest()
     assert not page.page.is_checked("#adhesion-floor") and not page.page.is_visible("#problem")
     page.page.check("#floor-contact")
     page.page.check("#adhesion-floor")
     page.rest()
-    # What it is not made for is refused in words, and the last picture stays.
+    # An unsupported case is refused with the reason, and the last picture stays.
     page.page.select_option("#pattern-lattice", "square")
     page.rest()
-    assert "does not stick" in page.text("problem") or "hexagonal" in page.text("problem")
+    assert "hexagonal" in page.text("problem")
     page.page.uncheck("#adhesion-floor")
     page.rest()
     assert not page.page.is_visible("#problem")
 
 
 def test_coarse_cells_are_orders_of_magnitude(explore):
-    """A result that says that its cells are coarse is told as one."""
+    """A result on coarse cells is marked as such."""
 
     def coarse(route):
         response = route.fetch()
@@ -225,13 +225,13 @@ def test_coarse_cells_are_orders_of_magnitude(explore):
         route.fulfill(response=response, body=text)
 
     page = explore(QUICK, before=lambda page: page.route("**/api/cycle", coarse))
-    assert "these are orders of magnitude" in page.text("stuck-floor")
-    assert page.page.locator("#stuck-floor.strained").count() == 1
+    assert "these are orders of magnitude" in page.text("adhesive-floor")
+    assert page.page.locator("#adhesive-floor.strained").count() == 1
 
 
 @pytest.mark.parametrize("width, height", [(390, 844), (1400, 900)])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_a_floor_that_sticks_fits_every_screen(explore, width, height, scheme):
+def test_an_adhesive_floor_fits_every_screen(explore, width, height, scheme):
     page = explore(QUICK, width, height, color_scheme=scheme)
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
-    page.picture(f"stuck-{width}-{scheme}")
+    page.picture(f"adhesive-floor-{width}-{scheme}")

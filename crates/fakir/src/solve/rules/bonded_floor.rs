@@ -9,7 +9,7 @@ use crate::halfspace::floor::coupling::FloorKernels;
 pub(crate) const TAKE_BACKS: usize = 12;
 
 /// The adhesive floor in contact.
-pub(crate) struct StuckFloor<'a> {
+pub(crate) struct BondedFloor<'a> {
     pub(crate) cells: FloorCells<'a>,
     pub(crate) fronts: FloorFronts,
     /// Pillars up to this distance from the lens axis are coupled with it.
@@ -29,10 +29,10 @@ pub(crate) struct FloorStation {
     pub(crate) holes: usize,
 }
 
-impl StuckFloor<'_> {
+impl BondedFloor<'_> {
     /// Number of cells in contact.
     pub(crate) fn bonded(&self) -> usize {
-        self.cells.bears().iter().filter(|bonded| **bonded).count()
+        self.cells.loaded().iter().filter(|bonded| **bonded).count()
     }
 
     /// Contact area.
@@ -42,7 +42,7 @@ impl StuckFloor<'_> {
 
     /// Distance of the farthest cell in contact from the lens axis.
     pub(crate) fn radius(&self) -> f64 {
-        let cells = self.cells.grid.cells.centres().zip(self.cells.bears());
+        let cells = self.cells.grid.cells.centres().zip(self.cells.loaded());
         let bonded = cells.filter(|(_, bonded)| **bonded);
         bonded.map(|([x, y], _)| x.hypot(y)).fold(0.0, f64::max)
     }

@@ -1,4 +1,4 @@
-"""Closed forms of a floor that sticks, against what the command says and against each other."""
+"""Closed forms for an adhesive floor, compared with the output of the command and with each other."""
 
 import math
 
@@ -17,7 +17,7 @@ def system():
     return fakir.System.from_file(EXAMPLES / CASE)
 
 
-def test_functions_are_what_the_command_says(system):
+def test_functions_agree_with_the_command(system):
     found = program("theory", CASE, {})["adhesion"]
     floor = found["stuck_floor"]
     assert theory.annulus_radius(system) == floor["annulus_radius_m"]
@@ -45,7 +45,7 @@ def test_annuli_are_arrays_of_coefficients_in_units_of_the_pillar(system):
     assert annulus.energy_release_rate == pytest.approx(annulus.stress_intensity**2 / (2 * modulus))
 
 
-def test_edges_stand_close_or_run(system):
+def test_edges_are_in_equilibrium_close_or_run(system):
     radius = theory.annulus_radius(system, "10 kPa")
     annulus = theory.free_annulus(system, radius, "10 kPa")
     assert annulus.energy_release_rate == pytest.approx(system.adhesion.work, rel=1e-9)
@@ -56,16 +56,16 @@ def test_edges_stand_close_or_run(system):
     assert theory.annulus_radius(system, work="10 mJ/m2") > theory.annulus_radius(system)
 
 
-def test_little_work_holds_no_floor(system):
+def test_little_work_bonds_no_floor(system):
     assert theory.stuck_floor_pull_off(system, "10 mJ/m2") is None
     assert theory.net_work(system, "0.001 mJ/m2") is None
-    # A sphere of the curvature of the lens comes off 2.3 um above first touch: 3/4 (pi^2 w^2 R/E*^2)^(1/3).
+    # A sphere with the curvature of the lens detaches 2.3 um above first touch: 3/4 (pi^2 w^2 R/E*^2)^(1/3).
     assert theory.patch(system, "2.2 mm", "-2.2 um") is not None
     assert theory.patch(system, "2.2 mm", "-2.4 um") is None
 
 
-def test_a_collapsed_floor_holds_the_lens(system):
-    """Cells on the floor pull with 0.388 mN; the model is good to 10 %."""
+def test_a_collapsed_floor_bonds_to_the_lens(system):
+    """The tension on cells of the floor is 0.388 mN; the model is accurate to 10 %."""
     first = 4.0765e-6
     steps = np.arange(1.5, -0.5, -0.05) * first
     cycle = theory.collapsed_cycle(system, [first, 1.5 * first], steps)
@@ -93,7 +93,7 @@ def test_what_cannot_be_is_refused(system):
         theory.free_annulus(system, "2 um")
     with pytest.raises(ValueError, match="radius of a free annulus"):
         theory.annulus_coefficients(1.0)
-    with pytest.raises(ValueError, match="nothing sticks"):
+    with pytest.raises(ValueError, match="no adhesion"):
         theory.annulus_radius(system.replace({"adhesion.work": 0}))
     with pytest.raises(ValueError, match="work of adhesion"):
         theory.net_work(system, -1.0)

@@ -10,10 +10,10 @@ use super::floor_start::FloorPressures;
 use super::mixed::checked_floor;
 use super::newton::FLOOR_DEGREE;
 use super::path::Path;
+use super::rules::bonded_floor::{BondedFloor, FloorStation};
 use super::rules::floor::FloorCells;
 use super::rules::floor_fronts::{FloorFronts, FloorMove};
 use super::rules::fronts::Course;
-use super::rules::stuck_floor::{FloorStation, StuckFloor};
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent, SurfaceCoupling};
 use crate::halfspace::floor::grid::Division;
 use crate::halfspace::floor::load::FloorLoad;
@@ -96,7 +96,7 @@ impl<'a> Path<'a> {
         };
         let own_load = cells.lens_load(self.scene);
         self.contact.set_floor(unit_cell, own_load, start, couple);
-        self.floor = Some(StuckFloor {
+        self.floor = Some(BondedFloor {
             cells,
             fronts,
             reach,
@@ -163,7 +163,7 @@ impl<'a> Path<'a> {
         };
         let scale = floor.cells.unit_cell().recip();
         let pressures = self.contact.floor_coefficients().iter().map(|c| scale * c);
-        let bonded = floor.cells.bears();
+        let bonded = floor.cells.loaded();
         if which != FloorMove::TakeBack {
             floor
                 .fronts
@@ -230,7 +230,7 @@ impl<'a> Path<'a> {
         let grid = &floor.cells.grid;
         let columns = grid.cells.grid().columns();
         let mut bonded = vec![false; grid.cells.grid().cell_count()];
-        for (index, own) in grid.cells.indices().zip(floor.cells.bears()) {
+        for (index, own) in grid.cells.indices().zip(floor.cells.loaded()) {
             bonded[index] = *own;
         }
         let centres = self.sites.centres().iter();
@@ -246,17 +246,17 @@ impl<'a> Path<'a> {
 
 impl Path<'_> {
     /// The pressure on the floor, of either sign.
-    pub(super) fn stuck_load(&self) -> Option<FloorLoad> {
+    pub(super) fn bonded_load(&self) -> Option<FloorLoad> {
         let cells = &self.floor.as_ref()?.cells;
         let scale = cells.unit_cell().recip();
-        let pressures = cells.bears().iter().zip(self.contact.floor_coefficients());
+        let pressures = cells.loaded().iter().zip(self.contact.floor_coefficients());
         let pressures = pressures.filter_map(|(bonded, c)| bonded.then_some(scale * c));
-        Some(FloorLoad::new(cells.bearing(), pressures.collect()))
+        Some(FloorLoad::new(cells.loaded_cells(), pressures.collect()))
     }
 
     /// The division of the floor for a detached ring of this width and a first patch of this radius, as fine as computing time permits; the
     /// cells are larger by the approximate factor of the variation.
-    pub(super) fn stuck_division(&self, accuracy: Accuracy, ring: f64, patch: f64) -> Division {
+    pub(super) fn bonded_division(&self, accuracy: Accuracy, ring: f64, patch: f64) -> Division {
         let (cells, points) = match accuracy {
             Accuracy::Default => (1.0, 1.0),
             Accuracy::Accurate => (ACCURATE_CELLS, ACCURATE_CELLS.powi(-2)),
@@ -296,7 +296,7 @@ mod tests {
     use crate::problem::scaled::Scene;
     use crate::problem::{HexagonalLattice, PillarCompliance};
     use crate::solve::linearized::Source;
-    use crate::solve::path::{End, Energies, Held, Stop};
+    use crate::solve::path::{End, Energies, FixedQuantity, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
     use crate::solve::rules::fronts::{Fronts, Works};
     use crate::state::Run;
@@ -329,7 +329,7 @@ mod tests {
         };
         let kappa = scene.field.column().shortening;
         let fronts = Fronts::new(2, kappa, works, true);
-        Path::new(scene, run, fronts, Held::Indentation).unwrap()
+        Path::new(scene, run, fronts, FixedQuantity::Indentation).unwrap()
     }
 
     /// A flat round punch in tension with a prescribed contact region, on cells.
@@ -369,7 +369,7 @@ mod tests {
                 .iter()
                 .zip(loads)
                 .zip(pressures)
-                .zip(floor.cells.bears())
+                .zip(floor.cells.loaded())
             {
                 // Ratio to the exact values, without the effect of the curvature of the front, also on the smoothed set.
                 let distance = distance + 0.72 * side / effective;
@@ -434,10 +434,10 @@ mod tests {
                 let scale = floor.cells.unit_cell().recip();
                 let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
                 let loads = path.contact.floor_load();
-                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                floor.fronts.measure(floor.cells.loaded(), loads, pressures);
                 // Both at delta - a^2/R = -1: K = sqrt(2 pi) lim p sqrt(x) = 1/sqrt(pi a).
                 let exact = 1.0 / (PI * a).sqrt();
-                for (_, k) in floor.fronts.intensities(floor.cells.bears()) {
+                for (_, k) in floor.fronts.intensities(floor.cells.loaded()) {
                     let ratio = k / exact;
                     sum[0] += 1.0;
                     sum[1] += ratio;
@@ -479,7 +479,7 @@ mod tests {
             panic!("the floor is reached");
         };
         let division = Division::new(&scene.field, (100.0 * cells / radius) as usize);
-        path.stick(lowest, division, 25.0).unwrap();
+        path.attach_floor(lowest, division, 25.0).unwrap();
         let jump = path.stations.last().unwrap();
         let found = (jump.floor.unwrap().area / PI).sqrt();
         // At zero indentation: a^3 = 2 pi w R^2.
@@ -578,17 +578,17 @@ mod tests {
                 let scale = floor.cells.unit_cell().recip();
                 let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
                 let loads = path.contact.floor_load();
-                floor.fronts.measure(floor.cells.bears(), loads, pressures);
+                floor.fronts.measure(floor.cells.loaded(), loads, pressures);
                 let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
                 // The radius of the ring from its area, including cells that are cut by the top.
-                let bonded = floor.cells.bears().iter().zip(&centres);
+                let bonded = floor.cells.loaded().iter().zip(&centres);
                 let inside = bonded.filter(|(b, _)| **b).count() as f64;
                 let near = |[x, y]: &Point| x.hypot(*y) < 15.0;
                 let grid = floor.cells.grid.cells.grid();
                 let all = grid.centres().filter(near).count() as f64;
                 let b = ((all - inside) * division.cell_area() / PI).sqrt();
                 let exact = AnnulusCoefficients::new(b).unwrap();
-                let found = floor.fronts.intensities(floor.cells.bears());
+                let found = floor.fronts.intensities(floor.cells.loaded());
                 let on_ring: Vec<f64> = found
                     .iter()
                     .filter(|(cell, _)| centres[*cell][0].hypot(centres[*cell][1]) < 10.0)
@@ -621,7 +621,7 @@ mod tests {
         let indentation = 1.2 * path.indentation();
         let division = Division::new(&scene.field, 16);
         let window = 2.0 * scene.field.spacing();
-        path.stick(lowest, division, window).unwrap();
+        path.attach_floor(lowest, division, window).unwrap();
         path.go(Course::Loading, End::Indentation(indentation), false)
             .unwrap();
         let control = crate::problem::Load::Indentation(indentation * scene.length);
@@ -648,7 +648,7 @@ mod tests {
     }
 
     /// Adhering area of the floor, um^2.
-    fn stuck_area(path: &Path<'_>) -> f64 {
+    fn bonded_area(path: &Path<'_>) -> f64 {
         path.floor_station().unwrap().area * (path.scene.length * 1e6).powi(2)
     }
 
@@ -662,8 +662,9 @@ mod tests {
         };
         let critical = path.indentation();
         // The cells required by the ring of 4 um at this work of adhesion.
-        let division = path.stuck_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
-        path.stick(lowest, division, 2.0 * scene.field.spacing())
+        let division =
+            path.bonded_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
+        path.attach_floor(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
         // At this work of adhesion, jump-in ends on a barrier between rings of holes: 36 filled holes and 0.3089 mN, or 24 and 0.333 mN at
         // a work lower by 10 %, which is about the difference between the models of the fronts.
@@ -672,7 +673,7 @@ mod tests {
         assert!((3.05e-4..3.37e-4).contains(&jumped), "{jumped:e}");
         let holes = path.floor_station().unwrap().holes;
         assert!((24..=36).contains(&holes), "{holes}");
-        assert_near("area", stuck_area(&path), 13740.0, 0.25);
+        assert_near("area", bonded_area(&path), 13740.0, 0.25);
         (path, critical)
     }
 
@@ -693,7 +694,7 @@ mod tests {
             path.go(Course::Loading, End::Indentation(part * critical), false)
                 .unwrap();
             assert_near("force", path.force() * newton, force, 0.01);
-            assert_near("area", stuck_area(&path), area, 0.1);
+            assert_near("area", bonded_area(&path), area, 0.1);
         }
         path.go(Course::Unloading, End::Separation, false).unwrap();
         let last = path.stations.iter().rfind(|s| s.floor.is_some()).unwrap();

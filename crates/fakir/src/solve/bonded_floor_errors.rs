@@ -1,7 +1,7 @@
 //! Error estimates of results with an adhesive floor, by repeating the path on larger cells with fronts that move at lower and higher works
 //! of adhesion.
 
-use crate::state::StuckFloorErrors;
+use crate::state::AdhesiveFloorErrors;
 
 /// Variation of a path: factor on the cell size, and factor on the work at which fronts on the floor move.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,7 +21,7 @@ pub(super) const PLAIN: Variation = Variation {
 };
 
 /// The stress intensity factor at fronts is accurate to 3.5 % in the worst direction (round contacts and rings in the tests of
-/// [`stuck`](super::stuck)), so that the work is accurate to 7 %. Close to a barrier between rings of holes this determines on which side
+/// [`bonded_floor`](super::bonded_floor)), so that the work is accurate to 7 %. Close to a barrier between rings of holes this determines on which side
 /// of the barrier the lens ends.
 pub(super) const VARIATIONS: [Variation; 2] = [
     Variation {
@@ -55,7 +55,7 @@ pub(super) struct Figures {
 
 impl Figures {
     /// Relative errors: the largest differences from the variations. The error is 1 if an event did not occur in each of them.
-    pub(super) fn errors(&self, variations: &[Self]) -> StuckFloorErrors {
+    pub(super) fn errors(&self, variations: &[Self]) -> AdhesiveFloorErrors {
         let error = |figure: &dyn Fn(&Self) -> Option<f64>| {
             let Some(own) = figure(self) else {
                 return 0.0;
@@ -67,7 +67,7 @@ impl Figures {
         let between = self
             .lost
             .map_or(0.0, |[last, after]| relative(last - after, last));
-        StuckFloorErrors {
+        AdhesiveFloorErrors {
             turn_force: error(&|it| it.turn[0]),
             turn_share: error(&|it| it.turn[1]),
             turn_area: error(&|it| it.turn[2]),
@@ -108,7 +108,7 @@ mod tests {
             ..own
         };
         let errors = own.errors(&[own, less]);
-        let expected = StuckFloorErrors {
+        let expected = AdhesiveFloorErrors {
             turn_force: 0.1,
             turn_share: 0.2,
             turn_area: 0.0,

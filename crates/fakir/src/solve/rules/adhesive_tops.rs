@@ -12,7 +12,7 @@ use crate::solve::linearized::Rule;
 const PILLARS: usize = 400;
 
 /// The tops and the bonded region of each.
-pub(crate) struct StickyTops {
+pub(crate) struct AdhesiveTops {
     pub(crate) fronts: Fronts,
     pub(crate) domains: Vec<Domain>,
     /// Number of modes per pillar.
@@ -20,10 +20,10 @@ pub(crate) struct StickyTops {
     coarse: Coarse,
     /// Work space of the preconditioner.
     means: Vec<f64>,
-    room: Vec<f32>,
+    workspace: Vec<f32>,
 }
 
-impl StickyTops {
+impl AdhesiveTops {
     /// All tops of the sites out of contact.
     pub(crate) fn new(fronts: Fronts, sites: &Sites) -> Self {
         Self {
@@ -32,7 +32,7 @@ impl StickyTops {
             domains: vec![Domain::OUT; sites.len()],
             coarse: Coarse::new(sites),
             means: Vec::new(),
-            room: Vec::new(),
+            workspace: Vec::new(),
         }
     }
 
@@ -121,7 +121,7 @@ impl StickyTops {
     }
 }
 
-impl Rule for StickyTops {
+impl Rule for AdhesiveTops {
     fn respond(&self, load: &[f64], result: &mut [f64], workers: Workers<'_>) {
         let one = |(): &mut (), pillar: usize, result: &mut [f64]| {
             let load = &load[pillar * self.modes..(pillar + 1) * self.modes];
@@ -148,7 +148,7 @@ impl Rule for StickyTops {
             modes,
             coarse,
             means,
-            room,
+            workspace,
         } = self;
         let root = |top: &usize| fronts.mean_compliance(domains[*top]).sqrt();
         means.clear();
@@ -156,7 +156,7 @@ impl Rule for StickyTops {
             root if root > 0.0 => direction[top * *modes] / root,
             _ => 0.0,
         }));
-        coarse.correct(means, room);
+        coarse.correct(means, workspace);
         for (top, mean) in coarse.tops.iter().zip(means) {
             let root = root(top);
             if root > 0.0 {
