@@ -665,7 +665,7 @@ fn rounded_tops() {
         };
         let points = (1..8).map(|k| DesignedValues {
             load: f64::from(k) * size(load),
-            required: f64::from(k) * size(value),
+            wanted: f64::from(k) * size(value),
             designed: f64::from(k) * size(value) * (1.0 + 1e-8),
             scatter: scatter.map(|part| part * f64::from(k) * size(value)),
             ignored: f64::from(k) * size(value) * (1.0 - 0.01 * f64::from(k)),

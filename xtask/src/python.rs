@@ -126,7 +126,7 @@ pub(crate) fn environment(tests: &str) -> Result<PathBuf, String> {
         "bin/python"
     });
     let stamp = folder.join("installed.txt");
-    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == required) {
+    if std::fs::read_to_string(&stamp).is_ok_and(|installed| installed == wanted) {
         return Ok(python);
     }
     run(Command::new(&system)

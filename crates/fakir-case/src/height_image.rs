@@ -7,8 +7,8 @@ use std::io::Cursor;
 /// Largest grey value of 16 bits.
 const WHITE: f64 = 65_535.0;
 
-/// What an image must be.
-const WANTED: &str =
+/// Accepted images.
+const REQUIRED_FORMAT: &str =
     "export the heights as a grey image of 16 bits, or as a TIFF image of floating-point numbers";
 
 fn wrong(source: &Source<'_>, problem: impl Into<String>) -> HeightMapError {
@@ -212,7 +212,8 @@ pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMap
             3 => "floating-point numbers",
             _ => "values",
         };
-        let problem = format!("it has {samples} {kind} of {bits} bits for each pixel: {WANTED}");
+        let problem =
+            format!("it has {samples} {kind} of {bits} bits for each pixel: {REQUIRED_FORMAT}");
         return Err(wrong(source, problem));
     }
     let packing = tiff.value(tag::COMPRESSION, 1);

@@ -146,7 +146,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     drop(session);
     // Printed even with --quiet: without it the numbers would be misleading.
     for misfit in &fitted.misfits {
-        failure::tell(&format!("warning: {misfit}"));
+        failure::report_line(&format!("warning: {misfit}"));
     }
     deliver(command, &case, file.warnings(), || Ok(fitted.report))
 }

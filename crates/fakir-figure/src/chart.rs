@@ -254,7 +254,7 @@ impl Grid {
         contents: &mut [Vec<Item>],
         items: &mut Vec<Item>,
     ) -> Legend {
-        let (mut told, mut left) = (Legend::default(), Legend::default());
+        let (mut shown, mut left) = (Legend::default(), Legend::default());
         let remarks = self.coincidences(frames);
         for k in 0..self.charts.len() {
             let own = Legend::of(&self.charts[k].series).without(&shown);
@@ -343,7 +343,7 @@ impl Grid {
             let Some(frame) = frames.get(row * self.columns + column) else {
                 continue;
             };
-            let at = [frame.bounds.left - rooms[column], frame.bounds.top];
+            let at = [frame.bounds.left - spaces[column], frame.bounds.top];
             Frame::draw_letter(letter, at, items);
         }
     }

@@ -215,7 +215,7 @@ impl Sheet {
         let bounds = window.frame.bounds;
         let height = bounds.height() - ARROW;
         bar.draw([bounds.right + 6.0, bounds.top + ARROW], height, &mut items);
-        let mut end = bounds.bottom + Frame::bottom_room(below);
+        let mut end = bounds.bottom + Frame::bottom_space(below);
         if !signs.is_empty() {
             end += KEY_GAP;
             end += key(signs, [MARGIN, COLUMN - MARGIN], end, &mut items);
@@ -237,7 +237,7 @@ pub(crate) fn view_from_above(
     let mut items = vec![window.clipped(inside)];
     window.draw_border(&mut items);
     window.draw_scale_bar(&mut items);
-    let mut end = window.frame.bounds.bottom + SCALE_BAR_ROOM;
+    let mut end = window.frame.bounds.bottom + SCALE_BAR_SPACE;
     if !signs.is_empty() {
         end += KEY_GAP;
         end += key(signs, [MARGIN, COLUMN - MARGIN], end, &mut items);

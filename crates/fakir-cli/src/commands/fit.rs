@@ -19,7 +19,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, strained_words};
+use fakir_study::report::state::{QuantityList, exceeded_limits};
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::time::Instant;

@@ -20,7 +20,7 @@ use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
 use fakir_study::report::Report;
-use fakir_study::report::state::strained_words;
+use fakir_study::report::state::exceeded_limits;
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::json;
 use std::path::PathBuf;
@@ -67,7 +67,7 @@ pub(crate) fn run(
         tables,
         warnings,
         converged: fitted.failed().next().is_none(),
-        strained: strained(&fitted.curves),
+        exceeded: exceeded(&fitted.curves),
     };
     Ok(Fitted { report, misfits })
 }
@@ -109,9 +109,9 @@ pub(crate) fn joint(
     let misfits = fitted.misfit_statements();
     let mut warnings = fitted.warnings();
     warnings.retain(|warning| !misfits.contains(warning));
-    let mut strained = strained(&fitted.curves);
+    let mut exceeded = exceeded(&fitted.curves);
     if !fitted.agrees() {
-        strained.push("the curves do not agree on the shared values".to_owned());
+        exceeded.push("the curves do not agree on the shared values".to_owned());
     }
     let report = Report {
         json: json(&JointSummary::new(method, &fitted, wall_time)),
@@ -120,7 +120,7 @@ pub(crate) fn joint(
         tables,
         warnings,
         converged: fitted.converged(),
-        strained,
+        exceeded,
     };
     Ok(Fitted { report, misfits })
 }
@@ -194,12 +194,12 @@ fn sorted_warnings(fitted: &CurveFits) -> (Vec<String>, Vec<String>) {
 }
 
 /// Limits of the model that are exceeded, and fits that do not describe their data.
-fn strained(curves: &[CurveFit]) -> Vec<String> {
+fn exceeded(curves: &[CurveFit]) -> Vec<String> {
     let of = |curve: &CurveFit| -> Vec<String> {
         let Ok(fitted) = &curve.outcome else {
             return Vec::new();
         };
-        let mut words = strained_words(&fitted.fit.limits);
+        let mut words = exceeded_limits(&fitted.fit.limits);
         if !fitted.fit.misfit.describes_data() {
             words.push("the fit does not describe the data".to_owned());
         }

@@ -9,7 +9,7 @@ use crate::font::Bounds;
 use crate::frame::{Frame, Lettering};
 use crate::legend::Legend;
 use crate::map::{
-    ColourBar, KeySign, SCALE_BAR_ROOM, Window, crosses, edge_stroke, is_axisymmetric, key,
+    ColourBar, KeySign, SCALE_BAR_SPACE, Window, crosses, edge_stroke, is_axisymmetric, key,
 };
 use crate::patches::{FLOOR_CONTACT, patches};
 use crate::scene::{Colour, Item, Stroke};
@@ -162,7 +162,7 @@ fn draw_map(
         signs.push((KeySign::Cross, "floor contact"));
     }
     let bounds = window.frame.bounds;
-    let top = bounds.bottom + SCALE_BAR_ROOM;
+    let top = bounds.bottom + SCALE_BAR_SPACE;
     top + key(&signs, [bounds.left, bounds.right], top, items)
 }
 
@@ -217,9 +217,9 @@ fn draw_profile(state: &ContactState, [left, top]: [f64; 2], items: &mut Vec<Ite
     let y_span = y.span(values.chain([0.0]));
     let x_span = x.span(std::iter::empty());
     let lettering = Lettering::All(&y.label);
-    let room = Frame::left_room(y_span, SIDE, lettering);
+    let space = Frame::left_space(y_span, SIDE, lettering);
     Frame::draw_letter('b', [left, top], items);
-    let bounds = Bounds::new(left + room, top, PAGE - left - room - MARGIN - 5.0, SIDE);
+    let bounds = Bounds::new(left + space, top, PAGE - left - space - MARGIN - 5.0, SIDE);
     let frame = Frame {
         bounds,
         x: x_span,

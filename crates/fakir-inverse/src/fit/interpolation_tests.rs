@@ -86,7 +86,7 @@ fn synthetic(file: &CaseFile, depths: &[f64], noise: f64) -> [Vec<f64>; 3] {
     let normal = Normal::new(0.0, noise).unwrap();
     let mut columns = [const { Vec::new() }; 3];
     for depth in depths {
-        let load = Load::Indentation(*depth);
+        let load = fakir::problem::Load::Indentation(*depth);
         let state = fakir::press(&case.system, load, case.method, &Run::default()).unwrap();
         columns[0].push(depth + 3e-6 + 2e-3 * state.force);
         columns[1].push(state.force + normal.sample(&mut random));

@@ -445,7 +445,7 @@ impl<'a> Model<'a> {
     where
         'a: 'm,
     {
-        let stages = if self.sticks && !self.is_flat() {
+        let stages = if self.is_adhesive && !self.is_flat() {
             &STRETCHES[..]
         } else {
             &[0.0]
@@ -1096,10 +1096,10 @@ impl<'a> Search<'a> {
             // The offset cannot be tested with the axis on a pillar, where all directions are equivalent; with adhesion every key requires
             // two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
-            Parameter::Key(_) if parameter.is_work() => self.model.sticks && has_unloading,
+            Parameter::Key(_) if parameter.is_work() => self.model.is_adhesive && has_unloading,
             // On pillars with adhesion there are no layers.
             Parameter::Key(_) if parameter.is_thickness() => {
-                !self.model.sticks || self.model.is_flat()
+                !self.model.is_adhesive || self.model.is_flat()
             }
             Parameter::Key(_) => true,
             // A tilted base line is rare, and mistaken for other parameters.

@@ -238,8 +238,8 @@ impl<'a> Model<'a> {
     ) -> Result<Self, FitError> {
         let case = Subject::of(file)?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
-        let sticks = !case.adhesion().is_none() || free.iter().any(|free| free.is_work());
-        if sticks {
+        let is_adhesive = !case.adhesion().is_none() || free.iter().any(|free| free.is_work());
+        if is_adhesive {
             data.check_cycles()?;
         }
         let branches = data.branches();
@@ -704,7 +704,7 @@ impl<'a> Model<'a> {
         if let Subject::Flat(case) = &settings.case {
             return self.states_on_flat(case, &settings);
         }
-        if self.sticks {
+        if self.is_adhesive {
             return self.states_of_cycle(&settings, stretch * self.load_range());
         }
         self.for_each_row(|number, row| {
@@ -799,7 +799,7 @@ impl<'a> Model<'a> {
             _ if compliance == 0.0 => LoadingMode::Displacement,
             _ => LoadingMode::Machine(compliance.recip()),
         };
-        let system = if self.sticks {
+        let system = if self.is_adhesive {
             with_some_adhesion(&case.system).map_err(SolveError::from)?
         } else {
             case.system.clone()
@@ -818,8 +818,8 @@ impl<'a> Model<'a> {
         let step_at = |number: usize, load: f64| {
             let branch = self.branches[number];
             match self.attached[number] {
-                Some(true) if self.sticks => branches.attached(branch, load),
-                Some(false) if self.sticks => Ok(branches.apart(branch, load)),
+                Some(true) if self.is_adhesive => branches.attached(branch, load),
+                Some(false) if self.is_adhesive => Ok(branches.apart(branch, load)),
                 _ => branches.at(branch, load),
             }
         };
@@ -1100,7 +1100,7 @@ impl<'a> Model<'a> {
     ) -> Result<Vec<Derivatives>, FitError> {
         let settings = self.settings(unknowns)?;
         let pillars = match &settings.case {
-            Subject::Pillars(case) if !self.sticks => case,
+            Subject::Pillars(case) if !self.is_adhesive => case,
             _ => return self.derivatives_of_cycle(unknowns, states, stretch),
         };
         let by_key = ByKey::new(&self.file(unknowns), pillars)?;

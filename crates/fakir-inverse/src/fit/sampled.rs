@@ -139,7 +139,7 @@ impl Sampled {
         let rows = model.data.rows();
         let by_force = model.data.position() == Position::None;
         rows.len() > direct
-            && !model.sticks
+            && !model.is_adhesive
             && !model.is_flat()
             && rows.iter().all(|row| row.position.is_some() != by_force)
             && rows.iter().all(|row| !by_force || row.force.is_some())

@@ -4,7 +4,7 @@ use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
 use fakir::problem::Load;
 use fakir::state::{Branch, Run};
-use fakir::theory::adhesion::{sphere_pull_off_by_displacement, sticky_sphere};
+use fakir::theory::adhesion::{adhesive_sphere, sphere_pull_off_by_displacement};
 use fakir_case::{CaseFile, Key};
 use fakir_inverse::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
 use rand_distr::{Distribution, Normal};
@@ -98,7 +98,7 @@ fn hertz() -> Vec<(Column, Vec<f64>)> {
     ]
 }
 
-/// The readings of a contact of Johnson, Kendall and Roberts: `sticky_sphere` in the contact radius, inverted here by bisection. The lens jumps into contact
+/// The readings of a contact of Johnson, Kendall and Roberts: `adhesive_sphere` in the contact radius, inverted here by bisection. The lens jumps into contact
 /// at indentation 0 and leaves at the smallest indentation.
 fn jkr() -> Vec<(Column, Vec<f64>)> {
     let modulus = reduced(TRUE_MODULUS);
@@ -114,13 +114,13 @@ fn jkr() -> Vec<(Column, Vec<f64>)> {
         let (mut low, mut high) = (last.radius, 0.2 * RADIUS);
         for _ in 0..200 {
             let middle = f64::midpoint(low, high);
-            if sticky_sphere(modulus, RADIUS, TRUE_WORK, middle).indentation < depth {
+            if adhesive_sphere(modulus, RADIUS, TRUE_WORK, middle).indentation < depth {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        sticky_sphere(modulus, RADIUS, TRUE_WORK, low).force
+        adhesive_sphere(modulus, RADIUS, TRUE_WORK, low).force
     };
     let depths = (-15..=20).map(|k| 0.25e-6 * f64::from(k));
     let loading = depths.clone().map(|depth| (Branch::Loading, depth));

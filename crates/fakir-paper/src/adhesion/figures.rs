@@ -52,7 +52,7 @@ fn way(fraction: f64, work: f64, run: &Run<'_>) -> Result<Way, PaperError> {
     ]);
     Ok(Way {
         label: format!("*φ* = {fraction}, *w* = {} mJ/m^{{2}}", rounded(1e3 * work)),
-        floor: collapse_path(&sticky, critical.indentation, run)?,
+        floor: collapse_path(&adhesive, critical.indentation, run)?,
         system: bare,
         tops,
     })
@@ -215,13 +215,13 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     let classes = [
         (
             "attached at zero load",
-            Fate::HeldThroughZero,
+            FloorOutcome::HeldThroughZero,
             Tint::Vermillion,
             Marker::Disc,
         ),
         (
             "detached under load",
-            Fate::LostUnderLoad,
+            FloorOutcome::LostUnderLoad,
             Tint::Blue,
             Marker::Square,
         ),
@@ -235,17 +235,17 @@ fn regions(cases: &Cases, substrate: Substrate) -> Plate {
     }
     series.push(Series::new(
         "attached, outside the model",
-        points(&|case| !good(case) && is(Fate::HeldThroughZero)(case)),
+        points(&|case| !good(case) && is(FloorOutcome::HeldThroughZero)(case)),
         mark(Tint::Orange, Marker::Ring),
     ));
     series.push(Series::new(
         "detached, outside the model",
-        points(&|case| !good(case) && is(Fate::LostUnderLoad)(case)),
+        points(&|case| !good(case) && is(FloorOutcome::LostUnderLoad)(case)),
         mark(Tint::Sky, Marker::Ring),
     ));
     series.push(Series::new(
         "tops only, or not known",
-        points(&|case| is(Fate::NoPatch)(case) || is(Fate::Unknown)(case)),
+        points(&|case| is(FloorOutcome::NoPatch)(case) || is(FloorOutcome::Unknown)(case)),
         mark(Tint::Grey, Marker::Cross),
     ));
     series.retain(|series| !series.points.is_empty());

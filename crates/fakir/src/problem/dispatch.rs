@@ -399,7 +399,7 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ON_PILLARS,
-        &[FLOOR_STICKS, LAYER],
+        &[ADHESIVE_FLOOR, LAYER],
         "an adhesive floor is not supported if the lens or the substrate is a layer",
         "leave out the thicknesses, or use adhesion of the tops only",
     ),

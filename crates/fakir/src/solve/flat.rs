@@ -343,7 +343,7 @@ impl<'a> Bench<'a> {
 
     /// The contact of a radius at which the driver has a value. With a fixed rim the force is linear in the indentation.
     fn pinned(&self, driver: Driver, target: f64, radius: f64) -> Settled {
-        let level = self.held(radius, 0.0);
+        let level = self.with_radius(radius, 0.0);
         let indentation = match driver {
             Driver::Indentation => target,
             Driver::Force => (target - level.force) / level.punch,
@@ -351,7 +351,7 @@ impl<'a> Bench<'a> {
                 (target - compliance * level.force) / (1.0 + compliance * level.punch)
             }
         };
-        self.held(radius, indentation)
+        self.with_radius(radius, indentation)
     }
 
     fn contact(&self, state: &Settled, work: f64) -> FlatContact {
@@ -734,7 +734,7 @@ impl<'a, 'b> Path<'a, 'b> {
         let driver = Driver::from(plan.drive);
         let punch = bench.punch()?;
         let jump = match punch {
-            Some(radius) => bench.held(radius, 0.0),
+            Some(radius) => bench.with_radius(radius, 0.0),
             None => {
                 let from = bench.detachment(driver, work)?;
                 bench

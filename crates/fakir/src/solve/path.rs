@@ -30,7 +30,6 @@ use super::rules::floor_fronts::FloorMove;
 use super::rules::fronts::{Course, Domain, Fronts, Works};
 use super::rules::tops::lens_over;
 use super::spectral::{checked_sites, limited};
-use super::stuck_errors::{PLAIN, Variation};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::pair::PairCoupling;
 use crate::halfspace::coupling::sites::Sites;
@@ -186,7 +185,7 @@ impl<'a> Path<'a> {
             pair,
             projector,
             exterior: Exterior::new(degree).with_layers(&scene.layers),
-            held,
+            fixed,
             look_again: f64::NEG_INFINITY,
             refined: Refined::default(),
             spread: 0.0,

@@ -852,7 +852,7 @@ fn one_listed_pillar_pulls_as_a_flat_punch() {
 
 /// A system of the paper's bodies with another lens and arrangement, rigid pillars, and 50 mJ/m^2.
 fn under(shape: LensShape, arrangement: impl Into<fakir::problem::Arrangement>) -> System {
-    let of_paper = sticky_on(arrangement, PillarCompliance::None, 0.05);
+    let of_paper = adhesive_on(arrangement, PillarCompliance::None, 0.05);
     let lens = ShapedLens::new(shape, Material::new(2e6, 0.5));
     let system = System::new(lens, *of_paper.substrate(), of_paper.pattern().clone()).unwrap();
     system.with_adhesion(Adhesion::new(0.05)).unwrap()

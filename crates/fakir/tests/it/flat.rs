@@ -478,7 +478,7 @@ fn loads_that_cannot_be_are_refused() {
 /// a machine the displacement is that of its spring.
 #[test]
 fn contacts_at_loads_are_on_the_curve() {
-    let system = sticky(paraboloid());
+    let system = adhesive(paraboloid());
     let modulus = system.reduced_modulus();
     let run = Run::default();
     let branches = system
@@ -489,7 +489,7 @@ fn contacts_at_loads_are_on_the_curve() {
         for branch in [Branch::Loading, Branch::Unloading] {
             let found = branches.at(branch, indentation).unwrap();
             close(found.force, contact.force, 1e-9);
-            let jkr = sticky_sphere(modulus, RADIUS, WORK, found.contact_radius);
+            let jkr = adhesive_sphere(modulus, RADIUS, WORK, found.contact_radius);
             close(found.force, jkr.force, 1e-9);
         }
     }
@@ -512,7 +512,7 @@ fn contacts_at_loads_are_on_the_curve() {
     for load in [1e-6, -1e-6] {
         let found = driven.at(Branch::Unloading, load).unwrap();
         close(found.indentation + found.force / stiffness, load, 1e-9);
-        let jkr = sticky_sphere(modulus, RADIUS, WORK, found.contact_radius);
+        let jkr = adhesive_sphere(modulus, RADIUS, WORK, found.contact_radius);
         close(found.force, jkr.force, 1e-9);
     }
     // With a larger receding work the rim stays at first: the force falls along the stiffness of a punch.
@@ -543,7 +543,7 @@ fn contacts_at_loads_are_on_the_curve() {
 #[test]
 fn a_punch_at_loads_is_linear_to_its_end() {
     let punch = FlatSystem::punch(50e-6, GLASS, RUBBER).unwrap();
-    let system = sticky(punch);
+    let system = adhesive(punch);
     let run = Run::default();
     let branches = system.branches(LoadingMode::Force, 1e-3, &run).unwrap();
     let stiffness = 2.0 * system.reduced_modulus() * 50e-6;

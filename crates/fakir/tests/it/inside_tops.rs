@@ -398,7 +398,7 @@ fn a_thick_layer_is_a_half_space() {
 #[test]
 fn a_disc_inside_a_top_on_a_film_is_that_on_the_flat_film() {
     let film = || Some(Layer::new(150e-6));
-    let system = sticky(600e-6, 50e-3, [0.0; 2])
+    let system = adhesive(600e-6, 50e-3, [0.0; 2])
         .with_layers(film(), None)
         .unwrap();
     let flat = FlatSystem::new(system.lens().clone(), RUBBER).unwrap();

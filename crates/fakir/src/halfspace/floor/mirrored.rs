@@ -8,7 +8,7 @@
 
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::Division;
-use super::whole::{Together, folded_room};
+use super::whole::{Together, folded_buffers};
 use crate::halfspace::disc::basis::{Mode, modes};
 use crate::halfspace::elements::convolution::{
     BLOCK_WIDTH, ColumnBlock, Transform, Workspace, line_stride,
@@ -98,7 +98,7 @@ impl<R: Real> Mirrored<R> {
             parities: self.parities.clone(),
             kernel: Arc::clone(&self.kernel),
             tops: RwLock::new(vec![R::default(); self.coarse[0] * of_column]),
-            folded: folded_room(self.plans.column_count(), 2 * of_column),
+            folded: folded_buffers(self.plans.column_count(), 2 * of_column),
         }
     }
 

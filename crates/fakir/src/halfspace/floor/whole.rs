@@ -72,7 +72,7 @@ impl<R: Real> BesidePillars for Together<R> {
 }
 
 /// Zeros for every column, in blocks.
-pub(super) fn folded_room<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
+pub(super) fn folded_buffers<R: Real>(columns: usize, of_column: usize) -> Vec<Mutex<Vec<R>>> {
     let of_column = of_column.max(1);
     (0..columns)
         .step_by(BLOCK_WIDTH)
@@ -270,8 +270,14 @@ impl Together<f64> {
                 }
             }
         };
-        let mut kernel = vec![0.0; half * kernels * held];
-        workers.fill(&mut kernel, BLOCK_WIDTH * kernels * held, 1, work, several);
+        let mut kernel = vec![0.0; half * kernels * stored];
+        workers.fill(
+            &mut kernel,
+            BLOCK_WIDTH * kernels * stored,
+            1,
+            work,
+            several,
+        );
         kernel
     }
 }
@@ -410,7 +416,7 @@ impl<R: Real> Together<R> {
                 R::default();
                 2 * self.coarse[0] * modes * self.coarse[1]
             ]),
-            folded: folded_room(columns, 2 * modes * self.coarse[1]),
+            folded: folded_buffers(columns, 2 * modes * self.coarse[1]),
         }
     }
 
