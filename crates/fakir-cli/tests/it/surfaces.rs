@@ -281,7 +281,7 @@ fn a_surface_is_loaded_step_by_step() {
     );
     assert_eq!(table.lines().count(), states.len() + 1);
     let figure = std::fs::read_to_string(Path::new(out).join("approach.svg")).expect("a figure");
-    for words in ["on the floor", "critical state"] {
+    for words in ["floor force", "critical state"] {
         assert!(figure.contains(words), "{words}");
     }
     let shown = text(&fakir("approach", &case, &["--step", "1um"]).stdout);

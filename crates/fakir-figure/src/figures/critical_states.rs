@@ -44,7 +44,7 @@ pub fn critical_states(x: &Axis, curves: &[CriticalStateCurve]) -> Figure {
         let known = known.filter(|y| y.is_finite()).reduce(f64::max);
         (values, known)
     };
-    let quantities: [(&str, Quantity, fn(f64) -> Unit); 3] = [
+    let quantities: [(&str, Quantity, UnitOf); 3] = [
         ("critical force *F*_{c}", |p| p.force, Unit::of_force),
         (
             "contact radius *a*_{c}",
@@ -84,3 +84,4 @@ pub fn critical_states(x: &Axis, curves: &[CriticalStateCurve]) -> Figure {
 }
 
 type Quantity = fn(&CriticalStatePoint) -> f64;
+type UnitOf = fn(f64) -> Unit;

@@ -89,15 +89,17 @@ pub fn histogram(histogram: &Histogram) -> Result<Figure, FigureError> {
 
 /// Name of a percentile: `median`, `5th percentile`.
 fn ordinal(percentage: f64) -> String {
-    if percentage == 50.0 {
-        return "median".to_owned();
-    }
-    let ending = match (percentage % 10.0, percentage % 100.0) {
-        (_, 11.0..=13.0) => "th",
-        (1.0, _) => "st",
-        (2.0, _) => "nd",
-        (3.0, _) => "rd",
-        _ => "th",
+    let digits = percentage.to_string();
+    let ending = match digits.as_str() {
+        "50" => return "median".to_owned(),
+        "11" | "12" | "13" => "th",
+        _ if digits.contains('.') => "th",
+        _ => match digits.chars().last() {
+            Some('1') => "st",
+            Some('2') => "nd",
+            Some('3') => "rd",
+            _ => "th",
+        },
     };
     format!("{percentage}{ending} percentile")
 }
