@@ -182,6 +182,8 @@ def test_formulas(rows, check, system, tmp_path):
     formulas = [[float(z), f"=A{line}^1.5"] for line, (z, _) in enumerate(rows, start=2)]
     path = workbook(tmp_path / "open.xlsx", ("data", [NAMES, *formulas]))
     refused(path, system, "cell B2 contains a formula and no value", "save it again")
+    path = workbook(tmp_path / "open.xlsx", ("notes", [["Sample 3"]]), ("data", [NAMES, *formulas]))
+    refused(path, system, "cell B2 contains a formula and no value")
     path = tmp_path / "values.xlsx"
     with xlsxwriter.Workbook(path) as book:
         sheet = book.add_worksheet("data")

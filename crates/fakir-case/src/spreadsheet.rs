@@ -18,23 +18,28 @@ pub(crate) fn to_text(bytes: &[u8], most: u64) -> Result<String, String> {
     let relations = text("xl/_rels/workbook.xml.rels")?.unwrap_or_default();
     let shared = text("xl/sharedStrings.xml")?.unwrap_or_default();
     let shared = shared_texts(&shared);
-    let mut first = None;
+    let (mut first, mut uncomputed) = (None, None);
+    let no_value = |cell: String| {
+        format!(
+            "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
+        )
+    };
     for sheet in sheets(&workbook, &relations) {
         let Some(sheet) = text(&sheet)? else { continue };
         let (table, formula) = rows(&sheet, &shared, most)?;
-        if let Some(cell) = formula.filter(|_| first.is_none()) {
-            return Err(format!(
-                "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
-            ));
-        }
         if has_numbers(&table) {
-            return Ok(table);
+            return formula.map_or(Ok(table), |cell| Err(no_value(cell)));
         }
+        uncomputed = uncomputed.or(formula);
         if first.is_none() && !table.trim().is_empty() {
             first = Some(table);
         }
     }
-    first.ok_or_else(|| "no sheet has any cells".to_owned())
+    // Without values of its formulas a sheet may have no row of numbers.
+    match uncomputed {
+        Some(cell) => Err(no_value(cell)),
+        None => first.ok_or_else(|| "no sheet has any cells".to_owned()),
+    }
 }
 
 /// Whether a table has a row with two numbers, as notes on a measurement do not.
