@@ -222,8 +222,9 @@ impl Table {
             };
         }
         if self.is_exact(interval) {
-            // Largest difference between the cubic and a parabola.
-            return step * (last + first - 2.0 * chord).abs() / 20.0;
+            // The largest difference between the cubic and a parabola is a twentieth. The curvature changes within an interval where tops come into
+            // full contact; therefore more.
+            return 0.125 * step * (last + first - 2.0 * chord).abs();
         }
         let bends = [
             interval.checked_sub(1).and_then(|at| self.bend(at)),
