@@ -1187,7 +1187,12 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius with respect to the load, at the state under
     /// it.
-    fn along_load(&self, case: &Case, load: Load, state: &State) -> Result<[f64; 2], SolveError> {
+    pub(super) fn along_load(
+        &self,
+        case: &Case,
+        load: Load,
+        state: &State,
+    ) -> Result<[f64; 2], SolveError> {
         let value = value_of(load);
         if value <= 0.0 {
             return Ok([0.0; 2]);

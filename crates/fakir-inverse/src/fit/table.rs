@@ -109,6 +109,11 @@ impl Table {
         }
     }
 
+    /// Sets the slope of a state.
+    pub(super) fn set_slope(&mut self, knot: usize, slope: f64) {
+        self.knots[knot].slope = Some(slope).filter(|slope| slope.is_finite());
+    }
+
     /// The largest solved load.
     pub(super) fn end(&self) -> f64 {
         self.knots.last().map_or(0.0, |knot| knot.load)
