@@ -708,7 +708,9 @@ impl<'a> Search<'a> {
         });
         let tolerance = Tolerance::new(errors, largest, rows.len());
         if self.is_finished && rows.len() <= sampled::SOLVED_AT_END {
-            tolerance.exact()
+            tolerance.exact().of_result()
+        } else if self.is_finished {
+            tolerance.of_result()
         } else {
             tolerance
         }

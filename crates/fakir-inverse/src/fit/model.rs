@@ -1322,7 +1322,7 @@ impl<'a> Model<'a> {
 
     /// Derivatives of force and smooth contact radius with respect to the load, at the state under
     /// it.
-    fn along_load(
+    pub(super) fn along_load(
         &self,
         case: &Subject,
         load: Load,

@@ -76,6 +76,8 @@ pub(super) struct Tolerance {
     pub(super) radius: f64,
     /// Whether every row is solved.
     pub(super) every_row: bool,
+    /// Whether the states are those of the result, for which slopes with load on the floor are solved too.
+    pub(super) is_result: bool,
 }
 
 impl Tolerance {
@@ -87,6 +89,15 @@ impl Tolerance {
             force: of(0),
             radius: of(1),
             every_row: false,
+            is_result: false,
+        }
+    }
+
+    /// For the states of the result.
+    pub(super) fn of_result(self) -> Self {
+        Self {
+            is_result: true,
+            ..self
         }
     }
 
@@ -712,6 +723,32 @@ impl Refining<'_, '_> {
             }
             self.solve(table, further)?;
         }
+        if self.tolerance.is_result && !self.by_force {
+            self.add_slopes(table)?;
+        }
+        Ok(())
+    }
+
+    /// Slopes of states with load on the floor, by differences along the load as in fits that solve every row.
+    fn add_slopes(&self, table: &mut Table) -> Result<(), FitError> {
+        let lacking = |k: &usize| table.knots()[*k].contacts.1 && table.knots()[*k].slope.is_none();
+        let lacking: Vec<usize> = (0..table.knots().len()).filter(lacking).collect();
+        let case = &self.settings.case;
+        let slopes = each(self.model, &lacking, |k| {
+            let knot = &table.knots()[*k];
+            let state = State {
+                force: knot.answer,
+                smooth_radius: knot.smooth_radius,
+                ..State::without_contact(knot.load)
+            };
+            let along = self
+                .model
+                .along_load(case, Load::Indentation(knot.load), &state)?;
+            Ok(along[0])
+        })?;
+        for (k, slope) in lacking.into_iter().zip(slopes) {
+            table.set_slope(k, slope);
+        }
         Ok(())
     }
 
@@ -852,6 +889,7 @@ mod tests {
                 force: 1e-3 * 1e-4,
                 radius: 0.0,
                 every_row: false,
+                is_result: false,
             };
             let states = sampled.states(&model, &begin, tolerance).unwrap();
             let errors = sampled.errors(&model, &begin, &states, tolerance).unwrap();

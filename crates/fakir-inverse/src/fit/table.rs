@@ -109,6 +109,11 @@ impl Table {
         }
     }
 
+    /// Sets the slope of a state.
+    pub(super) fn set_slope(&mut self, knot: usize, slope: f64) {
+        self.knots[knot].slope = Some(slope).filter(|slope| slope.is_finite());
+    }
+
     /// The largest solved load.
     pub(super) fn end(&self) -> f64 {
         self.knots.last().map_or(0.0, |knot| knot.load)
@@ -222,8 +227,9 @@ impl Table {
             };
         }
         if self.is_exact(interval) {
-            // Largest difference between the cubic and a parabola.
-            return step * (last + first - 2.0 * chord).abs() / 20.0;
+            // The largest difference between the cubic and a parabola is a twentieth. The curvature changes within an interval where tops come into
+            // full contact; therefore more.
+            return 0.125 * step * (last + first - 2.0 * chord).abs();
         }
         let bends = [
             interval.checked_sub(1).and_then(|at| self.bend(at)),
