@@ -26,6 +26,9 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
     ]
 }
 
+/// The label and the points of a curve.
+type Labelled<P> = (Text, Vec<P>);
+
 /// Largest number of curves in a figure: the number of distinguishable lines and marks.
 const MOST_CURVES: usize = 6;
 
@@ -83,7 +86,7 @@ fn curves<P>(
     study: &Study,
     rows: &[Row],
     point: fn(f64, &Record) -> P,
-) -> Option<(FigureAxis, Vec<(Text, Vec<P>)>)> {
+) -> Option<(FigureAxis, Vec<Labelled<P>>)> {
     if rows.len() < study.cases() {
         return None;
     }
@@ -124,7 +127,7 @@ fn curves<P>(
     let shown = curves.len().min(MOST_CURVES);
     // From the first to the last.
     let shown = (0..shown).map(|k| if shown > 1 { k * last / (shown - 1) } else { 0 });
-    let shown: Vec<(Text, Vec<P>)> = shown
+    let shown: Vec<Labelled<P>> = shown
         .map(|k| {
             let (label, points) = &curves[k];
             let mut points = points.clone();
