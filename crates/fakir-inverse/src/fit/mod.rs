@@ -676,17 +676,55 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Derivatives at the states, of this model or of one with other free parameters.
-    fn derivatives_of(
+    /// Derivatives with respect to fixed parameters, which are free in another model. They are not interpolated between the states of the search, which
+    /// are too far apart for the tests of these parameters: up to a number of rows, they are computed in each, else in so many rows at equal distances
+    /// in the order of the load, and linear between these.
+    fn derivatives_of_fixed(
         &self,
         model: &Model<'_>,
         unknowns: &[f64],
-        purpose: Purpose,
     ) -> Result<Vec<Derivatives>, FitError> {
+        let rows = model.data.rows();
+        if self.sampled.is_none() || rows.len() <= sampled::SOLVED_AT_END {
+            return model.derivatives(unknowns, &self.states, self.stretch);
+        }
+        let mut order: Vec<usize> = (0..rows.len()).filter(|row| self.used[*row]).collect();
+        order.sort_by(|a, b| model::load_of(&rows[*a]).total_cmp(&model::load_of(&rows[*b])));
+        let steps = sampled::SOLVED_AT_END.min(order.len()) - 1;
+        let places: Vec<usize> = (0..=steps)
+            .map(|k| (order.len() - 1) * k / steps.max(1))
+            .collect();
+        let mut is_solved = vec![false; rows.len()];
+        for place in &places {
+            is_solved[order[*place]] = true;
+        }
+        let is_solved = |row: usize| is_solved[row];
+        let mut derivatives =
+            model.derivatives_where(unknowns, &self.states, self.stretch, &is_solved)?;
+        for ends in places.windows(2) {
+            let [low, high] = [ends[0], ends[1]].map(|place| order[place]);
+            let load = |row: usize| model::load_of(&rows[row]);
+            let length = load(high) - load(low);
+            for place in ends[0] + 1..ends[1] {
+                let row = order[place];
+                let part = if length > 0.0 {
+                    (load(row) - load(low)) / length
+                } else {
+                    0.0
+                };
+                derivatives[row] = derivatives[low].between(&derivatives[high], part);
+            }
+        }
+        Ok(derivatives)
+    }
+
+    /// Derivatives at the states.
+    fn derivatives_at_states(&self, purpose: Purpose) -> Result<Vec<Derivatives>, FitError> {
+        let (model, unknowns) = (self.model, &self.unknowns);
         let Some(sampled) = &self.sampled else {
             return model.derivatives(unknowns, &self.states, self.stretch);
         };
-        let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
+        let table = sampled.table(model, unknowns, self.tolerance())?;
         sampled.derivatives(model, unknowns, &self.states, &table, purpose)
     }
 
@@ -806,7 +844,7 @@ impl<'a> Search<'a> {
             true => Purpose::Result,
             false => Purpose::Search,
         };
-        self.derivatives = self.derivatives_of(self.model, &self.unknowns, purpose)?;
+        self.derivatives = self.derivatives_at_states(purpose)?;
         self.errors = self.with_errors()?;
         Ok(())
     }
@@ -1160,7 +1198,7 @@ impl<'a> Search<'a> {
         }
         let model = self.model.with(&self.unknowns, held)?;
         let start = model.start()?;
-        let derivatives = match self.derivatives_of(&model, &start, Purpose::Tests) {
+        let derivatives = match self.derivatives_of_fixed(&model, &start) {
             Ok(derivatives) => derivatives,
             Err(error) if error.is_interruption() => return Err(error),
             Err(_) => return Ok(Vec::new()),

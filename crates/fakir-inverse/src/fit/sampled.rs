@@ -63,8 +63,6 @@ pub(super) enum Purpose {
     Search,
     /// The last steps, and standard errors.
     Result,
-    /// Tests of fixed parameters.
-    Tests,
 }
 
 /// Largest tolerated interpolation errors.
@@ -219,6 +217,7 @@ impl Sampled {
         let mut refining = Refining {
             model,
             case: settings.pillars()?,
+            settings: &settings,
             readings: &readings,
             tolerance,
             compliance: compliance_of(model.data, &settings),
@@ -368,13 +367,9 @@ impl Sampled {
             match purpose {
                 Purpose::Search => far < REUSED,
                 Purpose::Result => far < REUSED_AT_END && kept.purpose == Purpose::Result,
-                Purpose::Tests => false,
             }
         };
-        let kept = match purpose {
-            Purpose::Tests => None,
-            _ => self.on_floor.borrow_mut().take(),
-        };
+        let kept = self.on_floor.borrow_mut().take();
         let kept = kept.filter(|kept| !model.wants_radius && is_near(kept));
         let onset = onset(table);
         let part = |load: f64| (load - onset) / (table.end() - onset).max(f64::MIN_POSITIVE);
@@ -457,15 +452,13 @@ impl Sampled {
             curves.push([Monotone::new(forces), Monotone::new(radii)]);
             on_floor.push(ratios);
         }
-        if purpose != Purpose::Tests {
-            let (unknowns, purpose) =
-                kept.map_or((of_case, purpose), |kept| (kept.unknowns, kept.purpose));
-            *self.on_floor.borrow_mut() = Some(OnFloor {
-                unknowns,
-                purpose,
-                points: on_floor,
-            });
-        }
+        let (unknowns, purpose) =
+            kept.map_or((of_case, purpose), |kept| (kept.unknowns, kept.purpose));
+        *self.on_floor.borrow_mut() = Some(OnFloor {
+            unknowns,
+            purpose,
+            points: on_floor,
+        });
         Ok(curves)
     }
 }
@@ -581,6 +574,7 @@ fn each<T: Sync, A: Send>(
 struct Refining<'m, 'a> {
     model: &'m Model<'a>,
     case: &'m Case,
+    settings: &'m Settings,
     readings: &'m [Reading],
     tolerance: Tolerance,
     compliance: f64,
