@@ -223,7 +223,7 @@ mod tests {
         assert!(wrong("x_m,y_m,height_m\n0,0,-1").contains("line 2: height_m is -1"));
         assert!(wrong("x_um,y\n0,0").contains("column \"y\" has no unit"));
         assert!(wrong("x_px,y [px]\n0,0").contains("there is no column \"x_px\""));
-        assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in \"px\""));
+        assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in the unknown unit \"px\""));
         let overlap = wrong("x_m,y_m\n0,0\n1,0\n# here\n4e-6,0\n");
         assert!(
             overlap.contains("line 5: this pillar overlaps with that of line 2"),

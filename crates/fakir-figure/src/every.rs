@@ -3,9 +3,10 @@
 use crate::samples::{self, system};
 use crate::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, CriticalStateCurve, CriticalStatePoint,
-    DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad, FittedPoint,
-    FittedQuantity, Histogram, LineChart, LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve,
-    PullOffPoint, Series, Style, SurfaceState, Text, View,
+    DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad,
+    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, LineChart, LoadingPoint,
+    PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint, Series, Style, SurfaceState, Text,
+    View,
 };
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
@@ -200,6 +201,19 @@ fn of_numbers() -> Drawn {
         curve: vec![[0.0, 0.0], [1e-6, 1e-2]],
         unloading: vec![[0.0, -1e-2], [1e-6, 1e-2]],
     };
+    let several = FittedParameter {
+        name: "modulus".to_owned(),
+        unit: "MPa".to_owned(),
+        values: (0..20)
+            .map(|k| FittedValue {
+                curve: 1 + k as usize,
+                value: wild(k),
+                error: Some(1e3),
+                outlier: k % 5 == 0,
+            })
+            .collect(),
+        mean: Some([1.0, 1e3]),
+    };
     let pull_off = PullOffCurve {
         label: Text::from("curve"),
         points: (0..20)
@@ -255,6 +269,7 @@ fn of_numbers() -> Drawn {
             "fit_curves",
             crate::fit_curves(FittedLoad::Displacement, &[fitted], true),
         ),
+        ("fits", crate::fits(&[several], 20, false)),
         (
             "pull_off_curves",
             crate::pull_off_curves(&Axis::linear("x"), &[pull_off]),

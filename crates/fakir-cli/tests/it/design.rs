@@ -98,7 +98,9 @@ fn what_cannot_be_had_is_status_3_with_the_nearest() {
     let outcome = bench.run(&[&arguments[..], &["--critical-force", "1nN"]].concat());
     assert_eq!(outcome.status, Some(3), "{}", outcome.stderr);
     assert!(
-        outcome.stdout.starts_with("No pattern.pitch gives"),
+        outcome
+            .stdout
+            .starts_with("A critical force of 1.00000 nN is unattainable with pattern.pitch"),
         "{}",
         outcome.stdout
     );

@@ -139,7 +139,7 @@ fn a_damaged_line_is_named_and_its_case_computed_again() {
             .replacen("critical_force_N\":", "critical_force_N\":1", 1);
         bench.write(&path, &journal);
         format!(
-            "{folder}/journal.jsonl:2: this line is damaged and left out: its checksum does not fit"
+            "{folder}/journal.jsonl:2: this line is damaged and left out: its checksum does not match its content"
         )
     };
     let expected = bytes(&bench, "whole");

@@ -12,7 +12,7 @@ use super::parameter::Parameter;
 use super::radius::smooth_radius;
 use super::table::{Knot, Monotone, NEAR, Table};
 use crate::derivative::ByKey;
-use fakir::numerics::convergence::{clamped, within};
+use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Load, Method};
 use fakir::state::{ContactState, Solution, SolveError};
 use fakir_case::Case;
@@ -274,7 +274,7 @@ impl Sampled {
         Ok(states)
     }
 
-    /// Estimated interpolation errors of force and contact radius of every row.
+    /// Estimated interpolation errors of force and contact radius of every row, of the force at least the tolerance.
     pub(super) fn errors(
         &self,
         model: &Model<'_>,
@@ -291,7 +291,9 @@ impl Sampled {
                 state.indentation
             };
             if load > 0.0 && state.problem.is_none() {
-                table.errors_at(load)
+                // An estimate from differences of states can be zero by chance; intervals are refined to the tolerance.
+                let [force, radius] = table.errors_at(load);
+                [larger(force, tolerance.force), radius]
             } else {
                 [0.0; 2]
             }

@@ -212,6 +212,11 @@ impl Table {
         })
     }
 
+    /// Factor of error estimates from the tangents at the ends of an interval: tangents that are not exact are estimated from the neighbouring states.
+    fn tangent_safety(&self, interval: usize) -> f64 {
+        if self.is_exact(interval) { 1.0 } else { 2.0 }
+    }
+
     /// Estimated largest error of the answer in an interval.
     pub(super) fn error(&self, interval: usize) -> f64 {
         let step = self.step(interval);
@@ -220,11 +225,12 @@ impl Table {
         let (low, high) = (chord - first, last - chord);
         if self.changes(interval) {
             // Largest distance between chord and tangents.
-            return if low * high > 0.0 {
+            let away = if low * high > 0.0 {
                 step * (low * high / (low + high)).abs()
             } else {
                 0.125 * step * (low.abs() + high.abs())
             };
+            return self.tangent_safety(interval) * away;
         }
         if self.is_exact(interval) {
             // The largest difference between the cubic and a parabola is a twentieth. The curvature changes within an interval where tops come into
@@ -241,7 +247,15 @@ impl Table {
         ];
         let square = step * step;
         match (bends, next) {
-            ([Some(below), Some(above)], _) => 0.125 * square * (above - below).abs(),
+            ([Some(below), Some(above)], [before, after]) => {
+                // Two of them can be equal by chance.
+                let others = before.into_iter().chain(after);
+                let [low, high] = others
+                    .fold([below.min(above), below.max(above)], |ends, bend| {
+                        [ends[0].min(bend), ends[1].max(bend)]
+                    });
+                0.125 * square * (high - low)
+            }
             ([Some(one), None], [Some(other), _]) | ([None, Some(one)], [_, Some(other)]) => {
                 0.25 * square * (one - other).abs()
             }
@@ -278,7 +292,7 @@ impl Table {
         let (from, to) = (load - start, larger(end - load, 0.0));
         let largest = self.error(interval);
         let part = from * to / (end - start).powi(2);
-        let answer = if self.changes(interval) {
+        let answer = if self.changes(interval) && self.is_exact(interval) {
             let chord = self.chord(interval, |knot| knot.answer);
             let [first, last] = self.ends(interval);
             let away = (from * (chord - first).abs()).min(to * (last - chord).abs());
