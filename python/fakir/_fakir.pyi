@@ -186,7 +186,7 @@ class Data:
 class Fitted:
     def json(self) -> str: ...
     @property
-    def case(self) -> Case: ...
+    def case(self) -> Case | Flat: ...
     @property
     def load(self) -> str: ...
     @property
@@ -198,7 +198,7 @@ class Fitted:
     def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]: ...
 
 def fit(
-    case: Case,
+    case: Case | Flat,
     data: Data,
     free: Sequence[str],
     instrument: tuple[float | None, float, float, float, float, float],
@@ -214,7 +214,7 @@ class FittedCurves:
     def table(self) -> list[tuple[str, Any]]: ...
 
 def fit_curves(
-    case: Case,
+    case: Case | Flat,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],
@@ -223,7 +223,7 @@ def fit_curves(
     options: Options,
 ) -> FittedCurves: ...
 def fit_jointly(
-    case: Case,
+    case: Case | Flat,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],

@@ -412,7 +412,7 @@ impl<'a> Page<'a> {
         match progress.stage {
             Stage::FloorFronts => reported.rounds = progress.step as f64,
             Stage::ErrorEstimate if reported.closed.is_none() => {
-                reported.closed = Some(Instant::now())
+                reported.closed = Some(Instant::now());
             }
             _ => {}
         }

@@ -523,7 +523,7 @@ mod tests {
                 };
                 match read(&study, &edited) {
                     Err(StudyError::Damaged { line: 1, .. }) => {
-                        assert_eq!(line, 1, "{}", context())
+                        assert_eq!(line, 1, "{}", context());
                     }
                     Err(other) => panic!("{}: {other}", context()),
                     Ok((kept, damaged)) => {

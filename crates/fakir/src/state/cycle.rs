@@ -506,9 +506,10 @@ mod tests {
 
     #[test]
     fn a_part_without_a_first_digit_is_no_answer() {
+        type Place = (&'static str, fn(&mut Cycle) -> &mut f64);
         let cycle = cycle();
         assert!(cycle.is_answer());
-        let places: [(&str, fn(&mut Cycle) -> &mut f64); 3] = [
+        let places: [Place; 3] = [
             ("force at the end of loading", |cycle| {
                 &mut cycle.turn.error.force
             }),

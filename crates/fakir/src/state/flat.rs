@@ -166,6 +166,9 @@ mod tests {
     use crate::problem::{Adhesion, FlatSystem, Lens, Load, Material, UnloadingPoint};
     use crate::state::{Run, Solution};
 
+    /// A number of a result and its error.
+    type Place<T> = (&'static str, fn(&mut T) -> &mut f64);
+
     fn system() -> FlatSystem {
         let material = Material::new(2e6, 0.5);
         let lens = Lens {
@@ -181,7 +184,7 @@ mod tests {
             .press(Load::Indentation(1e-6), &Run::default())
             .unwrap();
         assert!(contact.is_answer());
-        let places: [(&str, fn(&mut FlatErrors) -> &mut f64); 3] = [
+        let places: [Place<FlatErrors>; 3] = [
             ("force", |error| &mut error.force),
             ("indentation", |error| &mut error.indentation),
             ("contact radius", |error| &mut error.contact_radius),
@@ -203,7 +206,7 @@ mod tests {
         };
         let cycle = system.cycle(&plan, &Run::default()).unwrap();
         assert!(cycle.is_answer());
-        let places: [(&str, fn(&mut FlatCycle) -> &mut f64); 4] = [
+        let places: [Place<FlatCycle>; 4] = [
             ("force at the jump into contact", |cycle| {
                 &mut cycle.jump.error.force
             }),

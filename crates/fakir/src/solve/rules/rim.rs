@@ -602,6 +602,7 @@ fn mean_inverse_distance([x, y]: [f64; 2], one: [f64; 2], other: [f64; 2]) -> f6
 
 /// A function whose second derivative along both axes is `1/r`, at `x >= 0` and several `y >= 0`.
 #[inline(always)]
+#[allow(clippy::imprecise_flops)] // a hypotenuse without overflow would be a call for every lane
 fn fourth_integrals(x: f64, across: Lanes) -> Lanes {
     across.map(|y| {
         let r = (x * x + y * y).sqrt();
