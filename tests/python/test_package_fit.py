@@ -152,7 +152,7 @@ def test_a_fit_that_does_not_describe_the_data_warns(system):
     assert most.name == "machine_compliance" and most.wanted and most.p_value < 1e-9
     assert 1e-3 < most.value < 3e-3
     assert poor.runs[0].runs < poor.runs[0].expected and poor.chi_square_p_value is None
-    assert fakir.plot.fit(poor)[0].get_title() == "does not describe the data"
+    assert fakir.plot.fit(poor)[0].get_title() == "the fit does not describe the data"
 
 
 @pytest.mark.slow

@@ -1066,7 +1066,7 @@ impl<'a> Model<'a> {
                     smooth_radius: smooth_radius(&contact),
                     smallest_floor_gap: Some(contact.smallest_floor_gap),
                     past_transition: contact.smallest_floor_gap < 0.0,
-                    converged: contact.is_answer(),
+                    converged: self.is_known(&contact),
                     ..State::without_contact(contact.indentation)
                 })
             }
@@ -1083,6 +1083,16 @@ impl<'a> Model<'a> {
                 })
             }
         }
+    }
+
+    /// Whether a contact is solved, and its force known well enough for a row: that of a row close to the first contact may have no digit, if its error is
+    /// small beside the measured forces.
+    pub(super) fn is_known(&self, contact: &ContactState) -> bool {
+        /// Fraction of the largest measured force.
+        const NEGLIGIBLE: f64 = 1e-4;
+        let error = contact.error.force * contact.force;
+        let is_small = contact.force > 0.0 && within(error, NEGLIGIBLE * self.largest_force());
+        contact.is_answer() || contact.converged() && is_small
     }
 
     pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {

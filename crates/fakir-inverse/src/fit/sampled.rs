@@ -14,7 +14,7 @@ use super::table::{Knot, Monotone, NEAR, Table};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Load, Method};
-use fakir::state::{ContactState, Solution, SolveError};
+use fakir::state::{ContactState, SolveError};
 use fakir_case::Case;
 use rayon::prelude::*;
 use std::cell::RefCell;
@@ -673,6 +673,27 @@ impl Refining<'_, '_> {
         Ok(())
     }
 
+    /// State of a contact under an indentation.
+    fn knot_of(&self, contact: &ContactState) -> Knot {
+        let pillars = contact.pillars_in_contact;
+        Knot {
+            load: contact.indentation,
+            answer: contact.force,
+            slope: None,
+            contact_radius: contact.contact_radius,
+            smooth_radius: smooth_radius(contact),
+            floor_gap: contact.smallest_floor_gap,
+            contacts: (
+                // Up to full contact of the first top, the curve is another one.
+                2 * pillars
+                    - usize::from(pillars == 1 && contact.pillars_partially_in_contact == 1),
+                contact.smallest_floor_gap <= 0.0,
+            ),
+            converged: self.model.is_known(contact),
+            derivatives: None,
+        }
+    }
+
     fn knot(&self, load: f64, may_have_gradient: bool) -> Result<Knot, SolveError> {
         let case = self.case;
         if self.by_force {
@@ -680,7 +701,7 @@ impl Refining<'_, '_> {
             return Ok(Knot {
                 load,
                 answer: contact.indentation,
-                ..knot_of(&contact)
+                ..self.knot_of(&contact)
             });
         }
         let control = Load::Indentation(load);
@@ -694,7 +715,7 @@ impl Refining<'_, '_> {
         let contact = self.model.contact(case, control)?;
         Ok(Knot {
             load,
-            ..knot_of(&contact)
+            ..self.knot_of(&contact)
         })
     }
 
@@ -704,7 +725,7 @@ impl Refining<'_, '_> {
         Ok(Knot {
             slope: Some(gradient.stiffness),
             derivatives: gradient.force,
-            ..knot_of(&gradient.contact)
+            ..self.knot_of(&gradient.contact)
         })
     }
 
@@ -815,26 +836,6 @@ impl Refining<'_, '_> {
             }
         }
         further
-    }
-}
-
-/// State of a contact under an indentation.
-fn knot_of(contact: &ContactState) -> Knot {
-    let pillars = contact.pillars_in_contact;
-    Knot {
-        load: contact.indentation,
-        answer: contact.force,
-        slope: None,
-        contact_radius: contact.contact_radius,
-        smooth_radius: smooth_radius(contact),
-        floor_gap: contact.smallest_floor_gap,
-        contacts: (
-            // Up to full contact of the first top, the curve is another one.
-            2 * pillars - usize::from(pillars == 1 && contact.pillars_partially_in_contact == 1),
-            contact.smallest_floor_gap <= 0.0,
-        ),
-        converged: contact.is_answer(),
-        derivatives: None,
     }
 }
 
