@@ -1,7 +1,7 @@
 //! Contacts with a flat surface: one disc, whose radius changes until the condition at its edge is satisfied.
 //!
 //! With the equation of [`theory::layer`](crate::theory::layer) at a contact radius `a`, the solution for an indentation `delta` is
-//! `pi theta = delta one + bent`, the solutions for `g = 1` and for `g = -G(u)`, where `G` is [the depth](crate::problem::FlatSystem::depth) of the lens.
+//! `pi theta = delta one + bent`, the solutions for `g = 1` and for `g = -G(u)`, where `G(u) = u ∫_0^u f'(r)/sqrt(u^2 - r^2) dr` for a lens of height `f`.
 //! At the rim `pi theta(a) = -sqrt(2 pi w a/E*)`: zero without adhesion, and Griffith's condition `K_I^2 = 2 E* w` with it (K. L. Johnson, K. Kendall,
 //! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.

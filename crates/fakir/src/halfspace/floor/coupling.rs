@@ -228,12 +228,12 @@ impl FloorKernels {
             })
         };
         if let Some(found) = found {
-            return found.with_own_room();
+            return found.with_own_buffers();
         }
         let kernels = Self::new(grid, coarse, degree, layers, workers);
         // They are undefined after cancellation.
         if kernels.bytes() <= LARGEST_KEPT && !workers.cancel.is_cancelled() {
-            let own = kernels.with_own_room();
+            let own = kernels.with_own_buffers();
             let mut kept = kept();
             kept.push((layers.to_vec(), own));
             let bytes = |kept: &[(Vec<WeightedLayer>, Self)]| -> usize {
@@ -248,15 +248,15 @@ impl FloorKernels {
     }
 
     /// The same kernels with separate buffers, for another solution.
-    fn with_own_room(&self) -> Self {
+    fn with_own_buffers(&self) -> Self {
         Self(match &self.0 {
             Kernels::Whole(exact, rough) => Kernels::Whole(
-                Arc::new(exact.with_own_room()),
-                Arc::new(rough.with_own_room()),
+                Arc::new(exact.with_own_buffers()),
+                Arc::new(rough.with_own_buffers()),
             ),
             Kernels::Mirrored(exact, rough) => Kernels::Mirrored(
-                Arc::new(exact.with_own_room()),
-                Arc::new(rough.with_own_room()),
+                Arc::new(exact.with_own_buffers()),
+                Arc::new(rough.with_own_buffers()),
             ),
         })
     }

@@ -82,11 +82,11 @@ impl<R: Real> Mirrored<R> {
             parities,
             plans,
         }
-        .with_own_room()
+        .with_own_buffers()
     }
 
     /// The same kernels with separate buffers, for another solution.
-    pub(super) fn with_own_room(&self) -> Self {
+    pub(super) fn with_own_buffers(&self) -> Self {
         let of_column = self.parities.len() * self.coarse[1];
         Self {
             division: self.division,

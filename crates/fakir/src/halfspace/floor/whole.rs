@@ -399,7 +399,7 @@ impl<R: Real> Transform for Together<R> {
 
 impl<R: Real> Together<R> {
     /// The same kernels with separate buffers, for another solution.
-    pub(super) fn with_own_room(&self) -> Self {
+    pub(super) fn with_own_buffers(&self) -> Self {
         let (modes, columns) = (self.odd.len(), self.column_count());
         Self {
             division: self.division,
