@@ -140,13 +140,13 @@ def test_the_loading_is_drawn_through_the_transition(explore):
 
 
 def test_the_pillar_tops_alone_are_shown_until_the_floor_is_solved(explore):
-    page = explore(mixed(0.06, 1.2))
+    page = explore(mixed(0.1, 1.2))
     stages = page.page.evaluate(
         """async () => {
             const stages = [];
             document.addEventListener("picture", (event) => stages.push(event.detail.stage));
             const slider = document.getElementById("load");
-            slider.value = 1.3;
+            slider.value = 1.5;
             slider.dispatchEvent(new Event("input", { bubbles: true }));
             while (!stages.includes("exact")) await new Promise((next) => setTimeout(next, 5));
             return stages;
