@@ -12,7 +12,9 @@ use super::subject::{FittedCycle, Subject, with_some_adhesion};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
-use fakir::state::{Branch, ContactState, Gradient, Limit, Run, Solution, SolveError};
+use fakir::state::{
+    Branch, ContactState, Gradient, LARGEST_ERROR, Limit, Run, Solution, SolveError,
+};
 use fakir_case::{Case, CaseFile, FlatCase, Key};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -1085,14 +1087,15 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Whether a contact is solved, and its force known well enough for a row: that of a row close to the first contact may have no digit, if its error is
-    /// small beside the measured forces.
+    /// Whether a contact is solved, and its force known well enough for a row. The first force on the floor may have no digit, as only the whole force is
+    /// compared; nor the force of a row close to the first contact, if its error is small beside the measured forces.
     pub(super) fn is_known(&self, contact: &ContactState) -> bool {
         /// Fraction of the largest measured force.
         const NEGLIGIBLE: f64 = 1e-4;
-        let error = contact.error.force * contact.force;
-        let is_small = contact.force > 0.0 && within(error, NEGLIGIBLE * self.largest_force());
-        contact.is_answer() || contact.converged() && is_small
+        let error = contact.error.force;
+        let is_small =
+            contact.force > 0.0 && within(error * contact.force, NEGLIGIBLE * self.largest_force());
+        contact.is_answer() || contact.converged() && (within(error, LARGEST_ERROR) || is_small)
     }
 
     pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {
