@@ -165,7 +165,11 @@ function drawLimits(limits) {
     // Some values must be below their limits, others above.
     const isAbove = value > threshold;
     const part = isAbove === strained ? value / threshold : threshold / value;
-    return [{ words: `${words} ${significant(value, 2)} of ${plain(threshold)}`, part, strained }];
+    // Three digits: with two, 0.303 beyond 0.3 would be written as 0.30.
+    const size = significant(value, 3);
+    const beyond = isAbove ? `${size} > ${plain(threshold)}` : `${size} < ${plain(threshold)}`;
+    const sentence = strained ? beyond : `${size}, limit ${plain(threshold)}`;
+    return [{ words: `${words} ${sentence}`, part, strained }];
   });
   const strained = known.filter((limit) => limit.strained);
   const [nearest] = [...known].sort((one, other) => other.part - one.part);
