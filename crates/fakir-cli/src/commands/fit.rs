@@ -48,15 +48,7 @@ pub(crate) fn run(
     )?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = described(&fitted.file.any_case(&[Question::Fit])?)?;
-    let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
-    let mut topics = case.topics.clone();
-    topics.push(Topic::LeastSquares);
-    let provenance = Provenance::new(
-        format!("least squares for {}", names.join(", ")),
-        case.method.clone(),
-        &topics,
-        case.text.clone(),
-    );
+    let provenance = provenance(&case, "least squares", &options.free, "");
     let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
     tables.extend(saved(figure(data, &fitted), &provenance));
     let misfit = fitted.misfit_statement();
@@ -79,6 +71,19 @@ pub(crate) fn run(
         report,
         misfits: misfit.into_iter().collect(),
     })
+}
+
+/// The provenance of a fit of a kind, with these free parameters; `of` follows their names.
+pub(crate) fn provenance(case: &Described, kind: &str, free: &[Parameter], of: &str) -> Provenance {
+    let names: Vec<&str> = free.iter().map(|free| free.name()).collect();
+    let mut topics = case.topics.clone();
+    topics.push(Topic::LeastSquares);
+    Provenance::new(
+        format!("{kind} for {}{of}", names.join(", ")),
+        case.method.clone(),
+        &topics,
+        case.text.clone(),
+    )
 }
 
 /// A value of a parameter with its unit.

@@ -1,6 +1,6 @@
 //! `fakir fit` with several files: every curve fitted separately, with the statistics of the parameters, or all curves together.
 
-use super::fit::{Fitted, estimates_table, figure, quantity};
+use super::fit::{Fitted, estimates_table, figure, provenance, quantity};
 use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{column_unit, seconds, significant, with_unit};
@@ -15,7 +15,6 @@ use fakir_inverse::fit::{
     fit_jointly, method_name,
 };
 use fakir_study::answer::{Described, described};
-use fakir_study::citations::Topic;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
@@ -43,19 +42,8 @@ pub(crate) fn run(
     let fitted = refuse_if_all_failed(fitted?)?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = described(&fitted.mean_case(file).any_case(&[Question::Fit])?)?;
-    let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
-    let mut topics = case.topics.clone();
-    topics.push(Topic::LeastSquares);
-    let provenance = Provenance::new(
-        format!(
-            "least squares for {}, {} curves",
-            names.join(", "),
-            fitted.curves.len()
-        ),
-        case.method.clone(),
-        &topics,
-        case.text.clone(),
-    );
+    let of = format!(", {} curves", fitted.curves.len());
+    let provenance = provenance(&case, "least squares", &options.free, &of);
     let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
     tables.extend(saved(figure_of(&fitted), &provenance));
     tables.extend(files_of_curves(&fitted.curves, &provenance));
@@ -90,19 +78,8 @@ pub(crate) fn joint(
     let fitted = fitted?;
     let wall_time = start.elapsed().as_secs_f64();
     let case = described(&fitted.file.any_case(&[Question::Fit])?)?;
-    let names: Vec<&str> = options.free.iter().map(|free| free.name()).collect();
-    let mut topics = case.topics.clone();
-    topics.push(Topic::LeastSquares);
-    let provenance = Provenance::new(
-        format!(
-            "joint least squares for {}, {} curves",
-            names.join(", "),
-            fitted.curves.len()
-        ),
-        case.method.clone(),
-        &topics,
-        case.text.clone(),
-    );
+    let of = format!(", {} curves", fitted.curves.len());
+    let provenance = provenance(&case, "joint least squares", &options.free, &of);
     let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
     tables.extend(saved(figure_of_joint(&fitted), &provenance));
     tables.extend(files_of_curves(&fitted.curves, &provenance));

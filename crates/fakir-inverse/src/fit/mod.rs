@@ -625,7 +625,19 @@ impl<'a> Search<'a> {
         self.stretch = stretch;
         self.earlier_iterations += self.iterations;
         self.iterations = 0;
-        self.states = self.model.states(&self.unknowns, stretch)?;
+        self.settle(self.unknowns.clone())
+    }
+
+    /// Moves to unknowns, with the states, rows and derivatives that belong to them.
+    fn settle(&mut self, unknowns: Vec<f64>) -> Result<(), FitError> {
+        let states = self.states_at(&unknowns)?;
+        self.settle_at(unknowns, states)
+    }
+
+    /// The same with known states.
+    fn settle_at(&mut self, unknowns: Vec<f64>, states: Vec<State>) -> Result<(), FitError> {
+        self.unknowns = unknowns;
+        self.states = states;
         self.select();
         self.check_enough()?;
         self.linearise()
@@ -639,16 +651,13 @@ impl<'a> Search<'a> {
             return Ok(());
         }
         self.is_finished = true;
-        self.states = self.states_at(&self.unknowns)?;
-        self.select();
-        self.check_enough()?;
-        self.linearise()?;
+        self.settle(self.unknowns.clone())?;
         for _ in 0..STEPS {
-            let promised = self.promised(&self.step(0.0));
-            if !self.tolerance().every_row || within(promised, NO_GAIN) {
+            let step = self.step(0.0);
+            if !self.tolerance().every_row || within(self.promised(&step), NO_GAIN) {
                 break;
             }
-            let step = self.bounded(self.step(0.0));
+            let step = self.bounded(step);
             let trial = self.model.moved(&self.unknowns, &step);
             let states = match self.states_at(&trial) {
                 Ok(states) if self.are_enough(&states) => states,
@@ -659,11 +668,7 @@ impl<'a> Search<'a> {
                 break;
             }
             self.iterations += 1;
-            self.states = states;
-            self.unknowns = trial;
-            self.select();
-            self.check_enough()?;
-            self.linearise()?;
+            self.settle_at(trial, states)?;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use super::measurements::{Measurement, Measurements, Position};
 use super::options::FitOptions;
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
-use super::subject::{FittedCycle, Subject, with_some_adhesion};
+use super::subject::{FittedCycle, Subject, some};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
@@ -164,6 +164,14 @@ impl Settings {
             }
             Position::Indentation => measured,
             Position::None => measured - self.offset(moment),
+        }
+    }
+
+    /// Compliance between the measured position and the lens, m/N.
+    pub(super) fn compliance(&self, position: Position) -> f64 {
+        match position {
+            Position::Displacement => self.machine_compliance,
+            Position::Indentation | Position::None => 0.0,
         }
     }
 
@@ -749,7 +757,7 @@ impl<'a> Model<'a> {
         if largest <= 0.0 {
             return Ok(None);
         }
-        let compliance = self.compliance(settings);
+        let compliance = settings.compliance(self.data.position());
         let solve =
             |turn: UnloadingPoint, drive: LoadingMode, retract: bool| -> Result<_, SolveError> {
                 let plan = CyclePlan {
@@ -794,31 +802,23 @@ impl<'a> Model<'a> {
         loads.fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Compliance between the measured position and the lens, m/N.
-    fn compliance(&self, settings: &Settings) -> f64 {
-        match self.data.position() {
-            Position::Displacement => settings.machine_compliance,
-            Position::Indentation | Position::None => 0.0,
-        }
-    }
-
     /// The states on a flat surface. Its curve has no jumps but those of touching and detaching, and the data show [on which side of them](attached) a
     /// row is: the attached ones are on the branch of the attached lens, which is continued at its end.
     fn states_on_flat(&self, case: &FlatCase, settings: &Settings) -> Result<Vec<State>, FitError> {
         /// Relative step of the load for slopes.
         const STEP: f64 = 1e-3;
         let position = self.data.position();
-        let compliance = self.compliance(settings);
+        let compliance = settings.compliance(self.data.position());
         let mode = match position {
             Position::None => LoadingMode::Force,
             _ if compliance == 0.0 => LoadingMode::Displacement,
             _ => LoadingMode::Machine(compliance.recip()),
         };
-        let system = if self.is_adhesive {
-            with_some_adhesion(&case.system).map_err(SolveError::from)?
-        } else {
-            case.system.clone()
-        };
+        let mut system = case.system.clone();
+        if self.is_adhesive {
+            let adhesion = some(system.adhesion());
+            system = system.with_adhesion(adhesion).map_err(SolveError::from)?;
+        }
         let largest = self.largest_load(settings);
         let branches = system.branches(mode, largest, &self.single)?;
         self.solved.fetch_add(1, Ordering::Relaxed);
@@ -1013,7 +1013,7 @@ impl<'a> Model<'a> {
     ) -> Result<State, FitError> {
         let position = self.data.position();
         let target = settings.load(position, reading, moment);
-        let compliance = self.compliance(settings);
+        let compliance = settings.compliance(self.data.position());
         let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
         if compliance == 0.0 || target <= 0.0 {
             return Ok(solve(target)?);

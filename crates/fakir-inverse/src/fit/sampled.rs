@@ -165,7 +165,7 @@ impl Sampled {
     fn readings(&self, model: &Model<'_>, settings: &Settings) -> Vec<Reading> {
         let computed = self.forces.borrow();
         let position = model.data.position();
-        let compliance = compliance_of(model.data, settings);
+        let compliance = settings.compliance(model.data.position());
         let rows = model.data.rows().iter().zip(&model.moments).enumerate();
         let mut readings: Vec<Reading> = rows
             .filter_map(|(number, (row, moment))| {
@@ -220,7 +220,7 @@ impl Sampled {
             settings: &settings,
             readings: &readings,
             tolerance,
-            compliance: compliance_of(model.data, &settings),
+            compliance: settings.compliance(model.data.position()),
             by_force: model.data.position() == Position::None,
         };
         let (mut table, first) = match known {
@@ -483,7 +483,7 @@ pub(super) fn state_at(
             ..State::without_contact(if by_force { 0.0 } else { target })
         };
     }
-    let load = table.load_at(target, compliance_of(data, settings));
+    let load = table.load_at(target, settings.compliance(data.position()));
     if let Some((wall, why)) = table.wall()
         && load > table.end()
         && !within(load, 0.5 * (table.end() + wall))
@@ -507,14 +507,6 @@ pub(super) fn state_at(
         past_transition: at.floor_gap < 0.0,
         converged: at.converged,
         ..State::without_contact(indentation)
-    }
-}
-
-/// Machine compliance between reading and indentation, m/N.
-fn compliance_of(data: &Measurements, settings: &Settings) -> f64 {
-    match data.position() {
-        Position::Displacement => settings.machine_compliance,
-        _ => 0.0,
     }
 }
 

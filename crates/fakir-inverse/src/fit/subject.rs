@@ -1,7 +1,7 @@
 //! What a fit presses a lens on: pillars or a flat surface.
 
 use super::error::FitError;
-use fakir::problem::{Adhesion, CyclePlan, FlatSystem, InvalidQuantity, Load};
+use fakir::problem::{Adhesion, CyclePlan, Load};
 use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::result::cycle_warnings;
@@ -91,16 +91,14 @@ impl Subject {
     pub(super) fn cycle(&self, plan: CyclePlan, run: &Run<'_>) -> Result<FittedCycle, SolveError> {
         Ok(match self {
             Self::Pillars(case) => {
-                let mut system = case.system.clone();
-                if system.adhesion().is_none() {
-                    let least = Adhesion::new(Adhesion::SMALLEST_WORK);
-                    system = system.with_adhesion(least).map_err(SolveError::from)?;
-                }
+                let system = case.system.with_adhesion(some(self.adhesion()));
+                let system = system.map_err(SolveError::from)?;
                 let cycle = fakir::cycle(&system, plan, case.method, run)?;
                 FittedCycle::Pillars(Box::new(cycle))
             }
             Self::Flat(case) => {
-                let system = with_some_adhesion(&case.system).map_err(SolveError::from)?;
+                let system = case.system.clone().with_adhesion(some(self.adhesion()));
+                let system = system.map_err(SolveError::from)?;
                 let cycle = system.cycle(&plan, run)?;
                 let limits = cycle.turn.limits(&system, None);
                 FittedCycle::Flat(Box::new(cycle), limits)
@@ -117,13 +115,12 @@ pub fn method_name(file: &CaseFile) -> Result<&'static str, CaseError> {
     Subject::of(file).map(|subject| subject.method_name())
 }
 
-/// A flat surface with at least the smallest work of adhesion.
-pub(super) fn with_some_adhesion(system: &FlatSystem) -> Result<FlatSystem, InvalidQuantity> {
-    let system = system.clone();
-    if system.adhesion().is_none() {
-        system.with_adhesion(Adhesion::new(Adhesion::SMALLEST_WORK))
+/// The adhesion, or the smallest one if there is none.
+pub(super) fn some(adhesion: Adhesion) -> Adhesion {
+    if adhesion.is_none() {
+        Adhesion::new(Adhesion::SMALLEST_WORK)
     } else {
-        Ok(system)
+        adhesion
     }
 }
 
