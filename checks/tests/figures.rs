@@ -181,7 +181,7 @@ fn figures_of_many_states() -> Vec<Figure> {
 /// period that is not square, and a lens with a very small contact on a rough map.
 fn figures_of_surfaces() -> Vec<Figure> {
     let rubber = Material::new(2e6, 0.5);
-    let lens = Indenter::Lens(Lens {
+    let lens = Indenter::from(Lens {
         radius: 1e-3,
         material: rubber,
     });
@@ -190,7 +190,7 @@ fn figures_of_surfaces() -> Vec<Figure> {
     let pattern = Pattern::new(pillar, lattice);
     let grid = Grid::centred(128, 128, 1e-6).unwrap();
     let surface = pattern.height_map(&grid, &rubber).unwrap();
-    let free = SurfaceSystem::new(lens, rubber, surface, Boundary::FreeSpace)
+    let free = SurfaceSystem::new(lens.clone(), rubber, surface, Boundary::FreeSpace)
         .unwrap()
         .with_floor(Floor::OffPillars);
     let critical = free.transition(&Run::default()).unwrap();

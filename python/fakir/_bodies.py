@@ -191,8 +191,7 @@ class Lens(RoundLens):
 class ParaboloidLens(RoundLens):
     """A lens of height r^2/(2R) above its lowest point; parameters as `Lens`.
 
-    Like all lenses except the sphere it is supported by the method ``"spectral"`` only, without adhesion and without load on the
-    floor.
+    Lenses of all shapes are supported by the methods ``"spectral"`` and ``"love"``.
     """
 
 
@@ -311,10 +310,10 @@ class FlatPunch(RoundLens):
 AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
 
 
-def lens_of(values: Mapping[str, Any]) -> Any:
-    """The lens of a case with these values."""
+def lens_of(values: Mapping[str, Any], layer: LayerOptions | None = None) -> Any:
+    """The lens of a case with these values; with these layer options instead of those of the case."""
     modulus, ratio = values["lens.young_modulus"], values["lens.poisson_ratio"]
-    layer = layer_of(values, "lens")
+    layer = layer_of(values, "lens") if layer is None else layer
     match values.get("lens.shape", "sphere"):
         case "paraboloid":
             return ParaboloidLens(values["lens.radius"], modulus, ratio, **layer)

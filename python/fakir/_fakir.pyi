@@ -391,7 +391,7 @@ class Surface:
         heights: _Floats,
         cell: Sequence[float],
         origin: Sequence[float],
-        lens: Sequence[float] | None,
+        lens: tuple[list[tuple[str, float]], list[tuple[str, str]]] | None,
         plate: Sequence[float] | None,
         substrate: Sequence[float],
         layers: Sequence[tuple[float, str, Sequence[float] | None] | None],
@@ -418,7 +418,7 @@ class Surface:
     @property
     def periodic(self) -> bool: ...
     @property
-    def lens(self) -> list[float] | None: ...
+    def lens(self) -> dict[str, Any] | None: ...
     @property
     def plate(self) -> list[float] | None: ...
     @property

@@ -7,7 +7,6 @@ that contacts past the transition are included.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _fakir
-from ._bodies import Lens, LayerNumbers, Substrate, layer_numbers, layer_options
+from ._bodies import AnyLens, Lens, Substrate, layer_numbers, layer_options, lens_of, shape_of
 from ._format import Row, engineering, remark
 from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
@@ -72,15 +71,32 @@ def bodies(
     return None, material, of_substrate
 
 
-def bodies_of(
-    system: _fakir.Surface | _fakir.Asperities,
-    layers: Sequence[LayerNumbers | None] = (None, None),
-) -> tuple[Lens | Plate, Substrate]:
+def bodies_of(system: _fakir.Asperities) -> tuple[Lens | Plate, Substrate]:
     """The indenter and the substrate for these numbers."""
     lens, plate = system.lens, system.plate
-    film, of_lens = (layer_options(layer) for layer in layers)
-    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens, **of_lens)
-    return indenter, Substrate(*system.substrate, **film)
+    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
+    return indenter, Substrate(*system.substrate)
+
+
+def _indenter_settings(
+    indenter: AnyLens | Plate, substrate: Substrate
+) -> tuple[tuple[list[tuple[str, float]], list[tuple[str, str]]] | None, list[float] | None]:
+    """The numbers and words of a lens and the substrate by their keys, or the numbers of a plate."""
+    if isinstance(indenter, Plate):
+        if indenter.young_modulus is None or indenter.poisson_ratio is None:
+            return None, None
+        return None, [indenter.young_modulus, indenter.poisson_ratio]
+    if not isinstance(indenter, AnyLens):
+        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a lens or a Plate")
+    numbers, words = shape_of(indenter)
+    known = [(key, float(number)) for key, number in numbers if number is not None]
+    known += [
+        ("lens.young_modulus", indenter.young_modulus),
+        ("lens.poisson_ratio", indenter.poisson_ratio),
+        ("substrate.young_modulus", substrate.young_modulus),
+        ("substrate.poisson_ratio", substrate.poisson_ratio),
+    ]
+    return (known, words), None
 
 
 class Surface:
@@ -92,7 +108,7 @@ class Surface:
         Heights (m), a row for every y: ``heights[y, x]``, float64 or float32; or an object with ``heights()`` and
         ``physical_sizes``, as in SurfaceTopography, whose arrays are ``[x, y]`` and whose ``unit`` is taken into account.
     indenter
-        A `Lens` or a `Plate`.
+        A `Lens` or a lens of another shape, or a `Plate`.
     substrate
         The elastic body under the surface, a half-space or a film.
     cell_size, width
@@ -105,7 +121,7 @@ class Surface:
         Whether the map is periodic; by default as defined by the object, otherwise not.
     """
 
-    indenter: Lens | Plate
+    indenter: AnyLens | Plate
     substrate: Substrate
     periodic: bool
     x: FloatArray
@@ -118,7 +134,7 @@ class Surface:
     def __init__(
         self,
         heights: object,
-        indenter: Lens | Plate,
+        indenter: AnyLens | Plate,
         substrate: Substrate,
         *,
         cell_size: Quantity | None = None,
@@ -143,7 +159,8 @@ class Surface:
                 values,
                 cell,
                 origin,
-                *bodies(indenter, substrate),
+                *_indenter_settings(indenter, substrate),
+                [substrate.young_modulus, substrate.poisson_ratio],
                 [layer_numbers(substrate), layer_numbers(indenter)],
                 bool(periodic),
                 None if floor is None else finite(floor, "length", "floor"),
@@ -195,7 +212,13 @@ class Surface:
 
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface, self.periodic = surface, surface.periodic
-        self.indenter, self.substrate = bodies_of(surface, surface.layers)
+        film, of_lens = (layer_options(layer) for layer in surface.layers)
+        values = surface.lens
+        if values is None:
+            self.indenter = Plate(*(surface.plate or []))
+        else:
+            self.indenter = lens_of(values, of_lens)
+        self.substrate = Substrate(*surface.substrate, **film)
         self.heights = surface.heights()
         rows, columns = self.heights.shape
         self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)

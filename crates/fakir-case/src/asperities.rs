@@ -57,7 +57,10 @@ impl AsperityCase {
             ..Parts::default()
         };
         match field.indenter() {
-            Indenter::Lens(lens) => parts.lens = *lens,
+            Indenter::Lens(lens) => {
+                parts.lens.radius = lens.sphere_radius();
+                parts.lens.material = lens.material;
+            }
             Indenter::Flat(material) => {
                 parts.shape.form = LensForm::Plate;
                 parts.lens.material = material.unwrap_or(RIGID);
@@ -187,7 +190,7 @@ impl AsperityCase {
         });
         Ok(Self {
             field: AsperityArray::new(
-                *raised.indenter(),
+                raised.indenter().clone(),
                 *raised.substrate(),
                 asperities.collect(),
             )?,
@@ -246,7 +249,7 @@ impl CaseFile {
         };
         let indenter = match parts.shape.form {
             LensForm::Plate => Indenter::Flat(Some(parts.lens.material)),
-            _ => Indenter::Lens(parts.lens),
+            _ => parts.lens.into(),
         };
         let field = |pillars: &[[f64; 4]], common: f64| {
             let asperities = pillars.iter().map(|values| asperity(*values, common));

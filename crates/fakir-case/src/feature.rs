@@ -3,7 +3,7 @@
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::parts::Parts;
-use fakir::problem::{Feature, LensForm, PillarCompliance, Unsupported};
+use fakir::problem::{Boundary, Feature, LensForm, PillarCompliance, Unsupported};
 
 /// Name of a feature in the table.
 pub(crate) fn named(feature: Feature) -> &'static str {
@@ -15,6 +15,7 @@ pub(crate) fn named(feature: Feature) -> &'static str {
         Feature::OtherArrangement => "other arrangement than the infinite hexagonal lattice",
         Feature::SeveralDiameters => "pillars of several diameters",
         Feature::SeveralColumns => "columns of several heights",
+        Feature::Periodic => "periodic surface",
         Feature::Layer => "lens or substrate of finite thickness",
         Feature::ElasticPillars => "elastic pillars",
         Feature::IgnoredFloor => "floor ignored",
@@ -49,6 +50,7 @@ fn keys_with(feature: Feature) -> &'static [Key] {
         ],
         Feature::SeveralDiameters => &[Key::PillarDiameter],
         Feature::SeveralColumns => &[Key::PillarHeight, Key::PillarCompliance],
+        Feature::Periodic => &[Key::Boundary],
         Feature::Layer => &[Key::SubstrateThickness, Key::LensThickness],
         Feature::ElasticPillars => &[Key::PillarCompliance],
         Feature::IgnoredFloor => &[Key::FloorContact],
@@ -67,6 +69,7 @@ impl CaseFile {
             Feature::TiltedPlate => {
                 parts.shape.form == LensForm::Plate && parts.shape.tilt.abs() > 0.0
             }
+            Feature::Periodic => parts.surface.boundary == Boundary::Periodic,
             Feature::Layer => self.entries.keys.keys().any(is_of_layers),
             Feature::ElasticPillars => pattern.pillar.compliance == PillarCompliance::Elastic,
             Feature::AdhesiveTops => {

@@ -16,7 +16,7 @@ use crate::table::{Field, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
     Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensForm, LensProfile, LensShape,
-    Method, PillarList, PillarPattern, Quantity, Question, Requirement,
+    Method, PillarList, PillarPattern, Quantity, Question, Requirement, ShapedLens,
 };
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
@@ -344,6 +344,38 @@ impl CaseFile {
         // As an absolute path.
         let path = std::path::absolute(&path).unwrap_or(path);
         Ok((LensShape::Profile(Arc::new(profile)), Some(path)))
+    }
+
+    /// The lens that the keys of the bodies and of the shape describe, for surfaces that are not in a case file.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a missing key, an invalid value, or a table of heights that cannot be read.
+    pub fn shaped_lens(&self) -> Result<ShapedLens, CaseError> {
+        let parts = self.parts(&[Part::Bodies, Part::Shape])?;
+        let (shape, _) = self.lens_shape(&parts)?;
+        Ok(ShapedLens::new(shape, parts.lens.material))
+    }
+
+    /// The values of the keys of that lens, with the absolute path of a table of heights.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a missing key or an invalid value.
+    pub fn lens_settings(&self) -> Result<Vec<(Key, Setting)>, CaseError> {
+        let mut parts = self.parts(&[Part::Bodies, Part::Shape])?;
+        let path = self.named_file(Key::LensProfile, &parts.shape.profile);
+        let path = std::path::absolute(&path).unwrap_or(path);
+        parts.shape.profile = path.to_string_lossy().into_owned();
+        let keys = Key::ALL.into_iter().filter(|key| {
+            let layer_without_thickness = key.is_of_layers() && self.entry(*key).is_none();
+            key.table() == "lens" && !layer_without_thickness
+        });
+        let mut settings = Vec::new();
+        for key in keys {
+            if key.idle_with(&mut parts).is_none() {
+                settings.push((key, key.get(&mut parts)));
+            }
+        }
+        Ok(settings)
     }
 
     /// Spacing of the pillars, as given; NaN for listed pillars.

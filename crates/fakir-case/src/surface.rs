@@ -15,8 +15,8 @@ use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, LensForm, Point,
-    Question, RandomPlaces, Solver, SurfaceSystem, Unsupported,
+    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, Question,
+    RandomPlaces, ShapedLens, Solver, SurfaceSystem, Unsupported,
 };
 use std::path::{Path, PathBuf};
 
@@ -136,7 +136,10 @@ impl CaseFile {
             None => surface.pillars().map(|_| Floor::OffPillars),
         };
         let indenter = match parts.surface.indenter {
-            IndenterForm::Lens => Indenter::Lens(parts.lens),
+            IndenterForm::Lens => {
+                let (shape, _) = self.lens_shape(&parts)?;
+                ShapedLens::new(shape, parts.lens.material).into()
+            }
             IndenterForm::Plate => Indenter::Flat(Some(parts.lens.material)),
         };
         let mut system = SurfaceSystem::new(indenter, parts.substrate, surface, boundary)
@@ -180,7 +183,8 @@ impl CaseFile {
     pub(crate) fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
         self.refuse_pillar_pattern()?;
         let kind = self.kind_of_surface()?;
-        let parts = self.parts(&[Part::Bodies, Part::Surface, kind])?;
+        let parts = self.parts(&[Part::Bodies, Part::Shape, Part::Surface, kind])?;
+        self.answers(Question::Press, Solver::HeightMap, &self.features(&parts))?;
         Ok((kind, parts))
     }
 
@@ -228,36 +232,23 @@ impl CaseFile {
             }
         }
         let mut given = self.entries.keys.keys().copied();
-        let Some(key) = given.find(|key| {
-            matches!(
-                key.part(),
-                Part::Shape | Part::Adhesion | Part::PillarPattern
-            )
-        }) else {
-            return Ok(());
-        };
-        let feature = match key.table() {
-            "adhesion" => Feature::AdhesiveTops,
-            "lens" => Feature::Lens(LensForm::Profile),
-            table => {
-                return Err(self
-                    .problem(key, format!("[{table}] belongs to a [pattern]"))
-                    .accepted("leave it out, or describe round pillars as a [pattern]"));
-            }
-        };
-        let Err(Unsupported { why, instead, .. }) =
-            Question::Press.check(Solver::HeightMap, &[feature])
+        let Some(key) =
+            given.find(|key| matches!(key.part(), Part::Adhesion | Part::PillarPattern))
         else {
             return Ok(());
         };
-        let accepted = match feature {
-            Feature::Lens(_) => format!(
-                "leave it out; {} = \"plate\" is a level plate",
-                Key::Indenter
-            ),
-            _ => instead.to_owned(),
-        };
-        Err(self.problem(key, why).accepted(accepted))
+        match (
+            key.table(),
+            Question::Press.check(Solver::HeightMap, &[Feature::AdhesiveTops]),
+        ) {
+            ("adhesion", Ok(())) => Ok(()),
+            ("adhesion", Err(Unsupported { why, instead, .. })) => {
+                Err(self.problem(key, why).accepted(instead))
+            }
+            (table, _) => Err(self
+                .problem(key, format!("[{table}] belongs to a [pattern]"))
+                .accepted("leave it out, or describe round pillars as a [pattern]")),
+        }
     }
 
     /// Whether the surface is a height map or a pattern; refuses the keys of the other.
@@ -563,6 +554,7 @@ impl CaseFile {
         for (key, place) in [
             (Key::HeightMap, &mut parts.surface.height_map),
             (Key::Pillars, &mut parts.pattern.pillars),
+            (Key::LensProfile, &mut parts.shape.profile),
         ] {
             let path = self.named_file(key, place);
             let path = std::path::absolute(&path).unwrap_or(path);

@@ -96,7 +96,7 @@ keys! {
     Shape {
         LensShape = "lens.shape" is
             word("shape of the lens; under a cylinder or a plate there are finitely many pillars", |p| &mut p.shape.form)
-                .optional()
+                .optional().with(Key::Indenter, &["lens"])
                 .unwritten(|p| p.shape.form == LensForm::Sphere);
         LensAngle = "lens.angle" is
             angle("direction of the lowest line of a cylinder, relative to x", |p| &mut p.shape.angle)

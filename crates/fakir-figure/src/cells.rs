@@ -44,11 +44,13 @@ impl SurfaceState<'_> {
         let centre = [0, 1].map(|axis| start[axis] + 0.5 * sides[axis]);
         let whole = 0.5 * sides[0].max(sides[1]);
         match (self.contact.contact_radius, self.system.indenter()) {
-            (Some(radius), Indenter::Lens(lens)) if !self.is_periodic() => {
+            (Some(radius), Indenter::Lens(lens))
+                if !self.is_periodic() && lens.is_axisymmetric() =>
+            {
                 let [x, y] = self.floor_contact.unwrap_or_default();
                 let wanted = PADDING * radius.max(x.hypot(y));
                 let half_width = wanted.max(LEAST * whole).min(whole);
-                ([0.0, 0.0], half_width.min(0.7 * lens.radius))
+                ([0.0, 0.0], half_width.min(0.7 * lens.widest()))
             }
             _ => (centre, whole),
         }
@@ -90,10 +92,7 @@ impl SurfaceState<'_> {
 
     /// Fraction of the displacement that belongs to the indenter.
     fn indenter_share(&self) -> f64 {
-        let material = match self.system.indenter() {
-            Indenter::Lens(lens) => Some(lens.material),
-            Indenter::Flat(material) => *material,
-        };
+        let material = self.system.indenter().material();
         let compliance = material.map_or(0.0, |material| material.plane_strain_compliance());
         compliance / self.system.contact_compliance()
     }
@@ -313,7 +312,7 @@ mod tests {
         let [across, _] = state(&periodic).cells(&wide, 128);
         assert_eq!(across[0], Some(32..33));
         let map = periodic.surface().clone();
-        let free = *periodic.indenter();
+        let free = periodic.indenter().clone();
         let free = SurfaceSystem::new(free, RUBBER, map, Boundary::FreeSpace).unwrap();
         let [across, _] = state(&free).cells(&wide, 128);
         assert_eq!((across[31].clone(), across[32].clone()), (None, Some(0..1)));

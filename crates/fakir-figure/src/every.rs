@@ -111,7 +111,7 @@ fn of_surfaces() -> Drawn {
     let pattern = Pattern::new(pillar, HexagonalLattice::new(16e-6));
     let grid = Grid::centred(64, 64, 1e-6).unwrap();
     let surface = pattern.height_map(&grid, &RUBBER).unwrap();
-    let surface = SurfaceSystem::new(Indenter::Lens(lens), RUBBER, surface, Boundary::FreeSpace)
+    let surface = SurfaceSystem::new(lens.into(), RUBBER, surface, Boundary::FreeSpace)
         .unwrap()
         .with_floor(Floor::OffPillars);
     let contact = surface.press(Load::Indentation(3e-7), &run).unwrap();

@@ -721,7 +721,7 @@ impl Lone {
 impl Independent {
     fn new(field: &AsperityArray, curve: Curve) -> Self {
         let radius = match field.indenter() {
-            Indenter::Lens(lens) => lens.radius,
+            Indenter::Lens(lens) => lens.sphere_radius(),
             Indenter::Flat(_) => f64::INFINITY,
         };
         Self {

@@ -46,7 +46,7 @@ impl Asperities {
     ) -> PyResult<Self> {
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
         let indenter = match (lens, plate) {
-            (Some([radius, modulus, ratio]), _) => Indenter::Lens(Lens {
+            (Some([radius, modulus, ratio]), _) => Indenter::from(Lens {
                 radius,
                 material: Material::new(modulus, ratio),
             }),
@@ -133,9 +133,11 @@ impl Asperities {
     #[getter]
     fn lens(&self) -> Option<[f64; 3]> {
         match self.case.field.indenter() {
-            Indenter::Lens(Lens { radius, material }) => {
-                Some([*radius, material.young_modulus, material.poisson_ratio])
-            }
+            Indenter::Lens(lens) => Some([
+                lens.sphere_radius(),
+                lens.material.young_modulus,
+                lens.material.poisson_ratio,
+            ]),
             Indenter::Flat(_) => None,
         }
     }

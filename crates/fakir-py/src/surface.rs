@@ -2,21 +2,23 @@
 
 use crate::answer::{Answer, warnings};
 use crate::error::{
-    approach_error, case_error, solve_error, surface_verify_error, value_error,
+    PYTHON, approach_error, case_error, solve_error, surface_verify_error, value_error,
     warn_of_deprecations,
 };
 use crate::load::{load, load_or_critical, path};
+use crate::settings::settings;
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Lens, Material, Point, SurfaceSystem,
+    Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point, SurfaceSystem,
 };
 use fakir::state::Run;
-use fakir_case::CaseFile;
+use fakir_case::{CaseFile, Setting};
 use fakir_study::record::SurfaceAnswer;
 use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -26,20 +28,22 @@ pub(crate) struct Surface {
     system: SurfaceSystem,
     /// The case file it was read from, if any.
     file: Option<CaseFile>,
+    /// The keys of the bodies, for a lens on a surface that was not read.
+    bodies: Option<CaseFile>,
     /// The canonical text of that case.
     text: Option<String>,
 }
 
 #[pymethods]
 impl Surface {
-    /// `heights` (m) has a row for every y; `lens` is radius, modulus and Poisson's ratio, `plate` modulus and Poisson's ratio, or neither
-    /// for a rigid plate. `origin` (m) is the lower left corner of the map relative to the lens axis.
+    /// `heights` (m) has a row for every y; `lens` contains the numbers and words of the keys of both bodies, `plate` modulus and Poisson's
+    /// ratio, or neither for a rigid plate. `origin` (m) is the lower left corner of the map relative to the lens axis.
     #[new]
     fn new(
         heights: PyReadonlyArray2<'_, f64>,
         cell: [f64; 2],
         origin: Point,
-        lens: Option<[f64; 3]>,
+        lens: Option<BodySettings>,
         plate: Option<[f64; 2]>,
         substrate: [f64; 2],
         layers: [Option<LayerNumbers>; 2],
@@ -50,11 +54,17 @@ impl Surface {
         let grid = Grid::new(columns, rows, cell, origin).map_err(value_error)?;
         let map = HeightMap::new(grid, heights.as_slice()?.to_vec()).map_err(value_error)?;
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
-        let indenter = match lens {
-            Some([radius, modulus, ratio]) => Indenter::Lens(Lens {
-                radius,
-                material: Material::new(modulus, ratio),
-            }),
+        let bodies = match lens {
+            Some((numbers, words)) => {
+                Some(CaseFile::from_settings(PYTHON, settings(numbers, words)?))
+            }
+            None => None,
+        };
+        let indenter = match &bodies {
+            Some(file) => {
+                let lens = file.shaped_lens().map_err(|error| case_error(&error))?;
+                Indenter::from(lens)
+            }
             None => Indenter::Flat(plate.map(material)),
         };
         let boundary = if periodic {
@@ -72,6 +82,7 @@ impl Surface {
                 None => system,
             },
             file: None,
+            bodies,
             text: None,
         })
     }
@@ -146,17 +157,21 @@ impl Surface {
         self.system.boundary() == Boundary::Periodic
     }
 
-    /// Radius, modulus and Poisson's ratio of the lens, if it is one.
+    /// Values of the lens by their keys, if it is one.
     #[getter]
-    fn lens(&self) -> Option<[f64; 3]> {
-        match self.system.indenter() {
-            Indenter::Lens(lens) => Some([
-                lens.radius,
-                lens.material.young_modulus,
-                lens.material.poisson_ratio,
-            ]),
-            Indenter::Flat(_) => None,
+    fn lens<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let file = self.file.as_ref().or(self.bodies.as_ref());
+        let (Some(_), Some(file)) = (self.system.indenter().lens(), file) else {
+            return Ok(None);
+        };
+        let values = PyDict::new(py);
+        for (key, value) in file.lens_settings().map_err(|error| case_error(&error))? {
+            match value {
+                Setting::Number(number) => values.set_item(key.path(), number)?,
+                Setting::Word(word) => values.set_item(key.path(), word)?,
+            }
         }
+        Ok(Some(values))
     }
 
     /// Modulus and Poisson's ratio of an elastic plate.
@@ -182,6 +197,9 @@ impl Surface {
         self.system.layers().map(|layer| layer.map(numbers_of))
     }
 }
+
+/// Numbers and words by their keys.
+type BodySettings = (Vec<(String, f64)>, Vec<(String, String)>);
 
 /// Thickness (m), condition at the back, and modulus and Poisson's ratio of an elastic base.
 type LayerNumbers = (f64, String, Option<[f64; 2]>);
@@ -347,6 +365,7 @@ pub(crate) fn verify_surface(
             text: Some(answered.case.to_toml()),
             system: answered.case.system,
             file: Some(file.clone()),
+            bodies: None,
         };
         let contact = surface.contact(py, answered.answer, wall_time)?;
         Ok((surface, contact))
@@ -376,6 +395,7 @@ impl Surface {
             text: Some(case.to_toml()),
             system: case.system,
             file: Some(file),
+            bodies: None,
         })
     }
 

@@ -273,7 +273,8 @@ fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
 mod tests {
     use super::*;
     use crate::problem::{
-        HexagonalLattice, Lens, Material, Pillar, PillarCompliance, PillarPattern,
+        HexagonalLattice, LatticeForm, Lens, LensProfile, LensShape, ListedPillar, Material,
+        Pillar, PillarCompliance, PillarList, PillarPattern, PlaneLattice, ShapedLens,
     };
     use crate::theory::reference::intermediate;
 
@@ -375,6 +376,88 @@ mod tests {
             );
             assert_ne!(verification.verdict(), Verdict::Disagree, "{lens:?}");
         }
+    }
+
+    /// A square of 5 by 5 pillars of 6 um, 2.2 um high, under a lens of any shape.
+    fn under(shape: LensShape) -> System {
+        let rubber = Material::new(2e6, 0.5);
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lattice = PlaneLattice {
+            columns: Some(5),
+            ..PlaneLattice::new(LatticeForm::Square { pitch: 20e-6 })
+        };
+        let pattern = PillarPattern::new(pillar, lattice);
+        System::new(ShapedLens::new(shape, rubber), rubber, pattern).unwrap()
+    }
+
+    /// Elements know only the separation, not the shape that causes it.
+    #[test]
+    fn both_methods_agree_under_every_lens() {
+        let radii: Vec<f64> = (0..60).map(|k| 4e-6 * f64::from(k)).collect();
+        let heights = radii
+            .iter()
+            .map(|r| r * r / 4e-3 + r.powi(4) / 0.5)
+            .collect();
+        let profile = LensProfile::new(radii, heights).unwrap();
+        let shapes = [
+            LensShape::Paraboloid { radius: 2e-3 },
+            LensShape::Profile(std::sync::Arc::new(profile)),
+            LensShape::Cylinder {
+                radius: 2e-3,
+                angle: 0.3,
+            },
+            LensShape::Plate {
+                tilt: 1e-3,
+                direction: 0.5,
+            },
+        ];
+        for shape in shapes {
+            let system = under(shape);
+            let question = Load::Indentation(0.4e-6);
+            let verification =
+                verify(&system, question, ElementMesh::default(), &Run::default()).unwrap();
+            let name = system.lens().shape_name();
+            println!("{name}: {:?}", verification.force);
+            assert_eq!(verification.verdict(), Verdict::Agree, "{name}");
+            assert!(verification.force.relative.abs() < 2e-3, "{name}");
+            assert!(verification.spectral.force > 0.0);
+        }
+    }
+
+    /// Tops of several diameters and the floor beside them.
+    #[test]
+    fn both_methods_agree_on_the_floor_between_unequal_pillars() {
+        let pillars = [
+            ([0.0, 0.0], 6e-6, 2.0e-6),
+            ([14e-6, 0.0], 5e-6, 1.9e-6),
+            ([-12e-6, 8e-6], 7e-6, 2.0e-6),
+            ([-4e-6, -15e-6], 4.5e-6, 1.95e-6),
+        ];
+        let pillars = pillars.map(|(centre, diameter, height)| ListedPillar {
+            centre,
+            diameter,
+            height,
+        });
+        let list = PillarList::new(pillars.to_vec()).unwrap();
+        let rubber = Material::new(2e6, 0.5);
+        let pillar = Pillar {
+            diameter: 6e-6,
+            height: 2.0e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let lens = ShapedLens::new(LensShape::Paraboloid { radius: 0.3e-3 }, rubber);
+        let system = System::new(lens, rubber, PillarPattern::new(pillar, list)).unwrap();
+        let question = Load::Indentation(4e-6);
+        let verification =
+            verify(&system, question, ElementMesh::default(), &Run::default()).unwrap();
+        let share = verification.floor_share.unwrap();
+        println!("{:?} {share:?}", verification.force);
+        assert_eq!(verification.verdict(), Verdict::Agree);
+        assert!(verification.force.relative.abs() < 5e-3 && share.relative.abs() < 5e-2);
     }
 
     #[test]

@@ -183,13 +183,4 @@ fn flat_tops_are_not_computed_in_their_place() {
         "{both}"
     );
     assert!(both.contains("`press`"), "{both}");
-    let surface = format!("{PLATE}[surface]\nheight_map = \"map.npy\"\ncell_size = \"1 um\"\n");
-    let surface = file(&surface)
-        .surface_case(1_000_000)
-        .unwrap_err()
-        .one_line();
-    assert!(
-        surface.contains("surface.indenter = \"plate\""),
-        "{surface}"
-    );
 }

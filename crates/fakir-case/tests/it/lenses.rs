@@ -1,7 +1,7 @@
 //! Lenses of other shapes in case files.
 
 use fakir::problem::LensShape;
-use fakir_case::{Case, CaseError, CaseFile, Key};
+use fakir_case::{Case, CaseError, CaseFile, Key, SurfaceCase};
 
 const REST: &str = "
 [substrate]
@@ -166,19 +166,57 @@ fn infinite_lattices_are_refused_under_cylinders_and_plates() {
     }
 }
 
-#[test]
-fn surfaces_take_spheres_and_plates_of_their_own() {
-    let text = "[lens]\nshape = 'paraboloid'\nradius = 1e-3\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
-                [substrate]\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
-                [surface]\nheight_map = 'map.npy'\ncell_size = 1e-6\n";
-    let error = CaseFile::parse("case.toml", text)
+/// A square pattern on a grid under a lens with these keys and a boundary.
+fn on_a_grid(lens: &str, boundary: &str) -> Result<SurfaceCase, CaseError> {
+    let text = format!(
+        "[lens]\n{lens}young_modulus = 2e6\npoisson_ratio = 0.5\n\
+         [substrate]\nyoung_modulus = 2e6\npoisson_ratio = 0.5\n\
+         [surface]\narrangement = 'square'\npitch = 12e-6\nboundary = '{boundary}'\n\
+         [surface.pillar]\ndiameter = 6e-6\nheight = 2e-6\n\
+         [surface.grid]\ncells_per_diameter = 8\nwidth = 24e-6\n"
+    );
+    CaseFile::parse("case.toml", &text)
         .unwrap()
         .surface_case(1 << 30)
-        .unwrap_err();
-    assert_eq!(error.key_path(), Some("lens.shape"));
-    assert!(
-        error
-            .problem()
-            .contains("a height map supports only a sphere or a level plate")
+}
+
+/// Each shape has its own lens, a level plate is the plate of `surface.indenter`, and the case file is written again.
+#[test]
+fn surfaces_take_every_lens() {
+    for (keys, name) in [
+        ("shape = 'paraboloid'\nradius = 1e-3\n", "paraboloid"),
+        (
+            "shape = 'cylinder'\nradius = 1e-3\nangle = 0.5\n",
+            "cylinder",
+        ),
+        ("shape = 'plate'\ntilt = 0.01\n", "plate"),
+    ] {
+        let case = on_a_grid(keys, "free").unwrap();
+        let lens = case.system.indenter().lens().unwrap();
+        assert_eq!(lens.shape_name(), name);
+        let again = CaseFile::parse("again.toml", &case.to_toml()).unwrap();
+        assert_eq!(again.surface_case(1 << 30).unwrap().system, case.system);
+    }
+    let level = on_a_grid("shape = 'plate'\n", "periodic").unwrap();
+    assert!(level.system.indenter().lens().is_none());
+}
+
+/// What is not periodic is refused on a periodic surface, and a plate has no shape.
+#[test]
+fn lenses_without_end_are_refused_on_periodic_surfaces() {
+    for (keys, key) in [
+        ("shape = 'cylinder'\nradius = 1e-3\n", "lens.shape"),
+        ("shape = 'plate'\ntilt = 0.01\n", "lens.tilt"),
+    ] {
+        let error = on_a_grid(keys, "periodic").unwrap_err();
+        assert_eq!(error.key_path(), Some(key));
+        assert!(error.problem().contains("not periodic"), "{error}");
+        assert!(error.what_is_accepted().unwrap().contains("free boundary"));
+    }
+    let error = on_a_grid(
+        "shape = 'paraboloid'\nradius = 1e-3\n",
+        "free'\nindenter = 'plate",
     );
+    let error = error.unwrap_err();
+    assert_eq!(error.key_path(), Some("lens.radius"), "{error}");
 }

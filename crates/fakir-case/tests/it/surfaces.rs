@@ -405,10 +405,6 @@ fn bases_without_a_thickness_and_adhesion_are_refused() {
             "adhesion.floor: adhesion is not supported on a height map",
         ),
         (
-            "lens.shape=paraboloid",
-            "lens.shape: a height map supports only a sphere or a level plate",
-        ),
-        (
             "surface.array=heights",
             "surface.array: only a height map has this key",
         ),

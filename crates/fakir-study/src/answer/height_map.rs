@@ -126,15 +126,15 @@ impl Kind for SurfaceCase {
             self.system.indenter(),
             contact.shares,
         ) {
-            (Some([x, y]), Indenter::Lens(_), _) => {
+            (Some([x, y]), Indenter::Lens(lens), _) if lens.is_axisymmetric() => {
                 list.length(
                     "floor contact",
                     x.hypot(y),
                     format!("from the lens axis, at x = {}, y = {}", place(x), place(y)),
                 );
             }
-            // A plate has no axis to count a distance from.
-            (Some([x, y]), Indenter::Flat(_), _) => {
+            // A plate or a cylinder has no axis to count a distance from.
+            (Some([x, y]), ..) => {
                 list.length("floor contact, x", x, String::new()).length(
                     "floor contact, y",
                     y,

@@ -3,7 +3,7 @@
 use super::contact::{common, critical_load, load};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
-use fakir::problem::{Boundary, Grid, Indenter, SurfaceSystem};
+use fakir::problem::{Boundary, Grid, Indenter, ShapedLens, SurfaceSystem};
 use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
 
 /// An answer about a height map, and its case.
@@ -44,10 +44,14 @@ pub(crate) fn surface_head(system: &SurfaceSystem) -> Object {
 }
 
 /// What is pressed, and what is around the grid.
-fn surface() -> [Named<SurfaceSystem>; 2] {
+fn surface() -> [Named<SurfaceSystem>; 3] {
     [
         Named::word("indenter", "`lens` or `plate`", |it: &SurfaceSystem| {
             Some(indenter_name(it.indenter()))
+        })
+        .in_objects(),
+        Named::word("lens_shape", "shape of a lens", |it: &SurfaceSystem| {
+            it.indenter().lens().map(ShapedLens::shape_name)
         })
         .in_objects(),
         Named::word("boundary", "`free` or `periodic`", |it: &SurfaceSystem| {

@@ -16,7 +16,7 @@ pub fn case_line(case: &AsperityCase) -> String {
         Indenter::Flat(_) => "a plate".to_owned(),
         Indenter::Lens(lens) => format!(
             "a lens of radius {}",
-            with_unit(lens.radius, Dimension::Length, LENGTH_DIGITS)
+            with_unit(lens.sphere_radius(), Dimension::Length, LENGTH_DIGITS)
         ),
     };
     format!(

@@ -1,6 +1,6 @@
 //! Pillars with rounded tops.
 
-use super::lens::{Lens, Material};
+use super::lens::Material;
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
@@ -203,8 +203,8 @@ impl AsperityArray {
 
     /// The lens radius in metres; infinite for a plate.
     pub(crate) fn lens_radius(&self) -> f64 {
-        match self.indenter {
-            Indenter::Lens(Lens { radius, .. }) => radius,
+        match &self.indenter {
+            Indenter::Lens(lens) => lens.sphere_radius(),
             Indenter::Flat(_) => f64::INFINITY,
         }
     }

@@ -81,6 +81,8 @@ listed! {
         SeveralDiameters,
         /// Columns of pillars differ in compliance. Checked only with adhesive tops.
         SeveralColumns,
+        /// The surface is periodic.
+        Periodic,
         /// The lens or the substrate has a finite thickness.
         Layer,
         /// Pillars are elastic bodies, which lean and whose tops deform, not columns.
@@ -168,6 +170,7 @@ impl Feature {
             Self::OtherArrangement => system.hexagonal_lattice().is_none(),
             Self::SeveralDiameters => !system.has_common_diameter(),
             Self::SeveralColumns => is_adhesive && !Scene::new(system).field.has_common_columns(),
+            Self::Periodic => false,
             Self::Layer => system.has_layers(),
             Self::ElasticPillars => system.pillar().compliance == PillarCompliance::Elastic,
             Self::IgnoredFloor => floor == FloorModel::Ignored,
@@ -343,14 +346,11 @@ static RULES: &[Rule] = &[
         ON_PILLARS,
         Unsupported::BUT_FOR_A_SPHERE,
     ),
-    rule(
-        &[Question::Verify, Question::VerifyFloor],
-        ON_PILLARS,
-        &[OTHER_LENS],
-        "there is no second method: elements on pillars support only spherical lenses",
-        "compare the default with the accurate spectral method, or use a sphere",
+    line(
+        ANY,
+        &[Solver::Punch, Solver::Homogenised],
+        Unsupported::BUT_FOR_A_SPHERE,
     ),
-    line(ANY, WITHOUT_ADHESION, Unsupported::BUT_FOR_A_SPHERE),
     line(
         &[Question::Theory],
         ON_PILLARS,
@@ -409,13 +409,6 @@ static RULES: &[Rule] = &[
         &[LAYER, SEVERAL_DIAMETERS],
         "pillars of several diameters are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses, or give all pillars the common diameter",
-    ),
-    rule(
-        &[Question::VerifyFloor],
-        ON_PILLARS,
-        &[SEVERAL_DIAMETERS],
-        "elements on tops and floor are matched to flat punches of one diameter",
-        "verify a contact before the transition, or ignore the floor",
     ),
     rule(
         ANY,
@@ -554,9 +547,12 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         HEIGHT_MAP,
-        &[NOT_LEVEL],
-        "a height map supports only a sphere or a level plate",
-        "leave out the shape of the lens, or describe round pillars as a [pattern]",
+        &[
+            &[Feature::TiltedPlate, Feature::Lens(LensForm::Cylinder)],
+            &[Feature::Periodic],
+        ],
+        "a tilted plate and a cylinder are not periodic",
+        "use a free boundary",
     ),
     rule(
         ANY,

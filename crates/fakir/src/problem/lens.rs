@@ -32,6 +32,13 @@ impl Material {
         (1.0 - self.poisson_ratio * self.poisson_ratio) / self.young_modulus
     }
 
+    /// Checks the material of a lens or a plate.
+    pub(super) fn check_as_lens(&self) -> Result<(), InvalidQuantity> {
+        Requirement::Positive.check(Quantity::LensYoungModulus, self.young_modulus)?;
+        Requirement::PoissonRatio.check(Quantity::LensPoissonRatio, self.poisson_ratio)?;
+        Ok(())
+    }
+
     /// `E/(2 (1 + nu))`, Pa.
     pub(crate) fn shear_modulus(&self) -> f64 {
         self.young_modulus / (2.0 * (1.0 + self.poisson_ratio))
@@ -269,9 +276,7 @@ impl ShapedLens {
             }
             LensShape::Profile(_) => {}
         }
-        R::Positive.check(Q::LensYoungModulus, self.material.young_modulus)?;
-        R::PoissonRatio.check(Q::LensPoissonRatio, self.material.poisson_ratio)?;
-        Ok(())
+        self.material.check_as_lens()
     }
 
     /// Upper bound of the height of pillars: the height of the lens; infinite for shapes without an equator.
@@ -280,7 +285,8 @@ impl ShapedLens {
     }
 
     /// Whether the height depends on the distance from the axis only.
-    pub(crate) fn is_axisymmetric(&self) -> bool {
+    #[must_use]
+    pub fn is_axisymmetric(&self) -> bool {
         !matches!(
             self.shape,
             LensShape::Cylinder { .. } | LensShape::Plate { .. }
@@ -333,6 +339,15 @@ impl ShapedLens {
         }
     }
 
+    /// The minimum of the undeformed lens over a rectangle with the given half sides; a lower bound for lenses without an axis.
+    pub(crate) fn least_over_cell(&self, centre: Point, half: [f64; 2]) -> f64 {
+        if self.is_axisymmetric() {
+            self.sag([0, 1].map(|axis| (centre[axis].abs() - half[axis]).max(0.0)))
+        } else {
+            self.least_over(centre, half[0].hypot(half[1]))
+        }
+    }
+
     /// Distance of a point from the lowest point or line of the lens; 0 for a plate, which has none.
     pub(crate) fn distance(&self, point: Point) -> f64 {
         match &self.shape {
@@ -343,7 +358,7 @@ impl ShapedLens {
     }
 
     /// Height at a [distance](Self::distance) from the lowest point or line.
-    fn sag_at_distance(&self, distance: f64) -> f64 {
+    pub(crate) fn sag_at_distance(&self, distance: f64) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => {
                 sphere_at_square(*radius, distance * distance)

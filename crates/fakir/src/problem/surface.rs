@@ -2,35 +2,64 @@
 
 use super::height_map::HeightMap;
 use super::layer::{Layer, WeightedLayer};
-use super::lens::{Lens, Material};
+use super::lens::{Lens, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 
 /// The body that is pressed onto a surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Indenter {
-    /// A lens, its axis at the origin of the surface's coordinates.
-    Lens(Lens),
+    /// A lens of any shape, its axis at the origin of the surface's coordinates.
+    Lens(ShapedLens),
     /// A flat plate parallel to the surface and larger than it, which cannot rotate; rigid if no material is given.
     Flat(Option<Material>),
 }
 
 impl Indenter {
     pub(super) fn check(&self) -> Result<(), InvalidQuantity> {
-        if let Self::Lens(lens) = self {
-            Requirement::Positive.check(Quantity::LensRadius, lens.radius)?;
+        match self {
+            Self::Lens(lens) => lens.check(),
+            Self::Flat(None) => Ok(()),
+            Self::Flat(Some(material)) => material.check_as_lens(),
         }
-        let Some(material) = self.material() else {
-            return Ok(());
-        };
-        Requirement::Positive.check(Quantity::LensYoungModulus, material.young_modulus)?;
-        Requirement::PoissonRatio.check(Quantity::LensPoissonRatio, material.poisson_ratio)?;
-        Ok(())
     }
 
-    pub(super) fn material(&self) -> Option<Material> {
+    /// Material of the indenter; `None` if it is rigid.
+    #[must_use]
+    pub fn material(&self) -> Option<Material> {
         match self {
             Self::Lens(lens) => Some(lens.material),
             Self::Flat(material) => *material,
+        }
+    }
+
+    /// The lens; `None` for a level plate.
+    #[must_use]
+    pub fn lens(&self) -> Option<&ShapedLens> {
+        match self {
+            Self::Lens(lens) => Some(lens),
+            Self::Flat(_) => None,
+        }
+    }
+
+    /// The lens, if its contact is bounded in all directions: neither a cylinder nor a plate.
+    pub(crate) fn bounded(&self) -> Option<&ShapedLens> {
+        self.lens().filter(|lens| lens.is_axisymmetric())
+    }
+}
+
+impl From<Lens> for Indenter {
+    fn from(lens: Lens) -> Self {
+        Self::Lens(lens.into())
+    }
+}
+
+impl From<ShapedLens> for Indenter {
+    /// A level plate is [`Indenter::Flat`].
+    fn from(lens: ShapedLens) -> Self {
+        if lens.is_flat() && !lens.is_tilted() {
+            Self::Flat(Some(lens.material))
+        } else {
+            Self::Lens(lens)
         }
     }
 }
@@ -76,7 +105,7 @@ impl Floor {
 ///
 /// // A rubber lens on a flat rubber: Hertz, F = 4/3 E* sqrt(R) zeta^(3/2).
 /// let rubber = Material::new(2.0e6, 0.5);
-/// let lens = Indenter::Lens(Lens { radius: 1.0e-3, material: rubber });
+/// let lens = Indenter::from(Lens { radius: 1.0e-3, material: rubber });
 /// let flat = HeightMap::from_height(Grid::centred(64, 64, 1.0e-6)?, |_| 0.0)?;
 /// let system = SurfaceSystem::new(lens, rubber, flat, Boundary::FreeSpace)?;
 /// let contact = system.press(Load::Indentation(0.5e-6), &Run::default())?;
@@ -92,7 +121,8 @@ pub struct SurfaceSystem {
     layers: [Option<Layer>; 2],
     pub(crate) surface: HeightMap,
     pub(crate) boundary: Boundary,
-    round_tops: Option<f64>,
+    /// Diameter of the round flat top of every pillar, m; empty if there are none.
+    round_tops: Vec<f64>,
     continued: bool,
     floor: Option<Floor>,
 }
@@ -119,7 +149,7 @@ impl SurfaceSystem {
             layers: [None; 2],
             surface,
             boundary,
-            round_tops: None,
+            round_tops: Vec::new(),
             continued: false,
             floor: None,
         })
@@ -135,10 +165,13 @@ impl SurfaceSystem {
     /// A diameter that is not positive and finite.
     pub fn with_round_tops(self, diameter: f64) -> Result<Self, InvalidQuantity> {
         Requirement::Positive.check(Quantity::PillarDiameter, diameter)?;
-        Ok(Self {
-            round_tops: Some(diameter),
-            ..self
-        })
+        let pillars = self.surface.pillars().map_or(0, |it| it.compliance.len());
+        Ok(self.with_tops_of(vec![diameter; pillars]))
+    }
+
+    /// The same for pillars of several valid diameters (m), in the order of the labels of the surface.
+    pub(crate) fn with_tops_of(self, round_tops: Vec<f64>) -> Self {
+        Self { round_tops, ..self }
     }
 
     /// The same system with bodies of finite thickness, in the order substrate, indenter; those without a layer are half-spaces, and a
@@ -238,8 +271,8 @@ impl SurfaceSystem {
         self.floor
     }
 
-    pub(crate) fn round_tops(&self) -> Option<f64> {
-        self.round_tops
+    pub(crate) fn round_tops(&self) -> &[f64] {
+        &self.round_tops
     }
 
     pub(crate) fn is_continued(&self) -> bool {

@@ -374,12 +374,22 @@ impl System {
     /// Diameter of the widest pillar, m.
     #[must_use]
     pub fn largest_diameter(&self) -> f64 {
+        self.extreme_diameter(f64::max)
+    }
+
+    /// Diameter of the narrowest pillar, m.
+    pub(crate) fn smallest_diameter(&self) -> f64 {
+        self.extreme_diameter(f64::min)
+    }
+
+    fn extreme_diameter(&self, pick: fn(f64, f64) -> f64) -> f64 {
+        let common = self.pillar().diameter;
         match self.arrangement() {
             Arrangement::Listed(list) => {
                 let diameters = list.pillars().iter().map(|pillar| pillar.diameter);
-                diameters.fold(0.0, f64::max)
+                diameters.reduce(pick).unwrap_or(common)
             }
-            _ => self.pillar().diameter,
+            _ => common,
         }
     }
 

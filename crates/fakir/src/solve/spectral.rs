@@ -14,8 +14,6 @@ use crate::problem::scaled::{SMALL_LENS, Scene};
 use crate::problem::{Accuracy, HexagonalLattice, Load, PunchForm};
 use crate::state::{Run, SolveError, Stage, Termination};
 
-pub(crate) use crate::problem::lens::LARGEST_CONTACT;
-
 /// Degrees for an accuracy: of the coupling, which must be higher the denser the pattern and the more the lens differs from a paraboloid
 /// over a pillar top, and of the nodes on partially touched pillars.
 pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {

@@ -3,8 +3,7 @@
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
-    FlatSystem, HeightMap, Indenter, Layer, Material, Method, PillarCompliance, ShapedLens,
-    SurfaceSystem,
+    FlatSystem, HeightMap, Layer, Material, Method, PillarCompliance, ShapedLens, SurfaceSystem,
 };
 use crate::state::limit::{
     DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, SMALLEST_TABOR_NUMBER,
@@ -208,7 +207,7 @@ fn of_layers(
 impl SurfaceContact {
     /// The validity limits of the model, and the corresponding values for this contact with a general surface.
     ///
-    /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
+    /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`, with the distance from the axis of a cylinder.
     /// * `surface_slope`: the largest slope between adjacent cells in contact, both on the same pillar or both on no pillar.
     /// * `pillar_stress`: mean stress on the top of the pillar with the largest stress, divided by Young's modulus of the substrate;
     ///   without pillars `contact_stress`, that on all cells in contact.
@@ -217,17 +216,19 @@ impl SurfaceContact {
     #[must_use]
     pub fn limits(&self, system: &SurfaceSystem) -> Vec<Limit> {
         let mut limits = Vec::new();
-        if let (Indenter::Lens(lens), Some(radius)) = (system.indenter(), self.contact_radius) {
-            // Slope of a sphere, as in results.
-            let slope = radius / lens.radius;
-            for name in ["slope", "contact_radius_over_lens_radius"] {
-                limits.push(Limit::at_most(name, slope, DOUBTFUL_CONTACT));
+        let lens = system.indenter().lens();
+        if let Some(lens) = lens {
+            let reach = self.reach(lens);
+            let slope = lens.slope_at(reach);
+            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
+            if let Some(radius) = lens.radius() {
+                let name = "contact_radius_over_lens_radius";
+                limits.push(Limit::at_most(name, reach / radius, DOUBTFUL_CONTACT));
             }
         }
-        let sphere = match system.indenter() {
-            Indenter::Lens(lens) => Some(lens.radius),
-            Indenter::Flat(_) => None,
-        };
+        let sphere = lens
+            .and_then(ShapedLens::sphere)
+            .map(|sphere| sphere.radius);
         let (radius, depth) = (self.contact_radius, self.indentation);
         limits.extend(of_layers(system.layers(), sphere, radius, depth));
         let surface = system.surface();
@@ -250,6 +251,17 @@ impl SurfaceContact {
         // Without load the stress is undefined.
         limits.retain(|limit| limit.value.is_finite());
         limits
+    }
+
+    /// Distance of the farthest cell in contact from the lowest point or line of the lens, m.
+    fn reach(&self, lens: &ShapedLens) -> f64 {
+        if lens.is_axisymmetric() {
+            return self.contact_radius.unwrap_or(0.0);
+        }
+        let cells = self.grid.centres().zip(&self.pressure);
+        let touched = cells.filter(|(_, pressure)| **pressure > 0.0);
+        let distances = touched.map(|(centre, _)| lens.distance(centre));
+        distances.fold(0.0, f64::max)
     }
 
     /// The largest slope between adjacent cells in contact, both on the same pillar or both on no pillar.

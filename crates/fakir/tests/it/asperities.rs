@@ -23,7 +23,7 @@ fn indenter(radius: f64) -> Indenter {
     if radius.is_infinite() {
         return Indenter::Flat(None);
     }
-    Indenter::Lens(Lens {
+    Indenter::from(Lens {
         radius: radius * UM,
         material: Material::new(1e300, 0.0),
     })

@@ -817,7 +817,7 @@ fn by_cells(cells: usize, boundary: Boundary, contact: f64, film: Layer) -> f64 
         radius,
         material: Material::new(1e15, nu),
     };
-    let system = SurfaceSystem::new(Indenter::Lens(lens), rubber, flat.unwrap(), boundary);
+    let system = SurfaceSystem::new(Indenter::from(lens), rubber, flat.unwrap(), boundary);
     let system = system.unwrap().with_layers(Some(film), None).unwrap();
     let layers = Layers::new([(rubber, Some(film)), (lens.material, None)]);
     let exact = layers.sphere(radius, contact);

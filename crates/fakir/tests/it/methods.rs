@@ -119,7 +119,7 @@ fn surface(boundary: Boundary, form: Form, offset: f64) -> SurfaceSystem {
         Boundary::Periodic => pattern.periodic_height_map(&grid, &material),
     };
     let indenter = match form {
-        Form::Lens => Indenter::Lens(paper_lens()),
+        Form::Lens => Indenter::from(paper_lens()),
         Form::Plate => Indenter::Flat(None),
     };
     let surface: HeightMap = surface.expect("a valid surface");

@@ -35,7 +35,7 @@ impl Drawn {
 #[test]
 fn areas_under_a_sphere_are_within_their_errors() {
     const RADIUS: f64 = 1.0e-3;
-    let lens = Indenter::Lens(Lens {
+    let lens = Indenter::from(Lens {
         radius: RADIUS,
         material: rubber(),
     });
@@ -47,7 +47,8 @@ fn areas_under_a_sphere_are_within_their_errors() {
         let axis = [drawn.within(0.0, 1e-6), drawn.within(0.0, 1e-6)];
         let surface = HeightMap::from_height(grid, |_| 0.0).expect("a valid surface");
         let surface = surface.with_axis_at(axis).expect("a valid surface");
-        let system = SurfaceSystem::new(lens, rubber(), surface, Boundary::FreeSpace).unwrap();
+        let system =
+            SurfaceSystem::new(lens.clone(), rubber(), surface, Boundary::FreeSpace).unwrap();
         let indentation = drawn.within(8e-6, 17e-6).powi(2) / RADIUS;
         let contact = press(&system, indentation);
         let exact = PI * RADIUS * indentation;
@@ -126,7 +127,7 @@ fn check_circles(count: usize, seed: u64) {
         let surface = pattern
             .height_map(&grid.expect("a grid"), &substrate)
             .expect("a surface");
-        let lens = Indenter::Lens(Lens { radius, material });
+        let lens = Indenter::from(Lens { radius, material });
         let surface = SurfaceSystem::new(lens, substrate, surface, Boundary::FreeSpace);
         let surface = surface.and_then(|surface| surface.with_round_tops(6.0e-6));
         let found = press(&surface.expect("a valid system"), indentation);

@@ -3,8 +3,8 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
-    Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm, Lens, Load, Material, Method,
-    PillarColumns, PillarCompliance, PlaneLattice, Quantity, SurfaceSystem,
+    Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm, Lens, LensShape, Load, Material,
+    Method, PillarColumns, PillarCompliance, PlaneLattice, Quantity, ShapedLens, SurfaceSystem,
 };
 use fakir::state::{CancelToken, Regime, Run, SolveError, SurfaceContact, Warning};
 use std::f64::consts::PI;
@@ -16,7 +16,7 @@ fn rubber() -> Material {
 }
 
 fn lens() -> Indenter {
-    Indenter::Lens(Lens {
+    Indenter::from(Lens {
         radius: LENS_RADIUS,
         material: rubber(),
     })
@@ -145,7 +145,7 @@ fn a_surface_that_ends_within_the_contact_is_refused() {
         let surface = Pattern::new(pillar, paper_lattice(0.03, 0.0))
             .height_map(&grid, &rubber())
             .expect("a valid surface");
-        let lens = Indenter::Lens(paper_lens());
+        let lens = Indenter::from(paper_lens());
         SurfaceSystem::new(lens, rubber(), surface, Boundary::FreeSpace)
             .expect("a valid system")
             .continued()
@@ -454,7 +454,7 @@ fn paper_pattern(surface_fraction: f64, offset: f64, reach: f64, across: usize) 
     let surface = pattern
         .height_map(&grid, &substrate)
         .expect("a valid surface");
-    let lens = Indenter::Lens(paper_lens());
+    let lens = Indenter::from(paper_lens());
     SurfaceSystem::new(lens, substrate, surface, Boundary::FreeSpace)
         .expect("a valid system")
         .with_floor(Floor::OffPillars)
@@ -636,10 +636,10 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
     let plate = Indenter::Flat(None);
     for (boundary, indenter) in [
         (Boundary::FreeSpace, lens()),
-        (Boundary::FreeSpace, plate),
-        (Boundary::Periodic, plate),
+        (Boundary::FreeSpace, plate.clone()),
+        (Boundary::Periodic, plate.clone()),
     ] {
-        let system = rough(boundary, indenter);
+        let system = rough(boundary, indenter.clone());
         // The contact of the lens does not reach the border.
         let scale = if indenter == plate { 1.0 } else { 1.0e-3 };
         for force in [1.0e-9, 1.0e-6, 1.0e-4].map(|force| scale * force) {
@@ -654,4 +654,104 @@ fn rough_surfaces_meet_the_contact_conditions_everywhere() {
             }
         }
     }
+}
+
+/// A lens of this shape on a flat surface, and a level plate of the same material on a surface as far below it: the same separations.
+fn on_its_own_shape(shape: LensShape) -> [SurfaceContact; 2] {
+    let grid = Grid::centred(64, 64, 0.5e-6).expect("a grid");
+    let lens = ShapedLens::new(shape, rubber());
+    let sag = |[x, y]: [f64; 2]| lens.sag([x, y]);
+    let highest = grid
+        .centres()
+        .map(|centre| -sag(centre))
+        .fold(f64::NEG_INFINITY, f64::max);
+    let flat = HeightMap::from_height(grid, |_| 0.0).expect("a valid surface");
+    let shaped = HeightMap::from_height(grid, |centre| -sag(centre)).expect("a valid surface");
+    let plate = Indenter::Flat(Some(rubber()));
+    let systems = [
+        SurfaceSystem::new(lens.clone().into(), rubber(), flat, Boundary::FreeSpace),
+        SurfaceSystem::new(plate, rubber(), shaped, Boundary::FreeSpace),
+    ]
+    .map(|system| system.expect("a valid system"));
+    let indentation = 0.05e-6;
+    // The plate is level with the highest cell, the lens with its lowest point or its centre.
+    let loads = [indentation, indentation + highest].map(Load::Indentation);
+    [0, 1].map(|k| press(&systems[k], loads[k]))
+}
+
+/// Only the separation of the undeformed surfaces counts, whichever body has the shape.
+#[test]
+fn a_lens_and_a_surface_of_its_shape_are_the_same() {
+    let shapes = [
+        LensShape::Paraboloid { radius: 1e-3 },
+        LensShape::Cylinder {
+            radius: 1e-3,
+            angle: 0.4,
+        },
+        LensShape::Plate {
+            tilt: 0.01,
+            direction: 0.9,
+        },
+    ];
+    for shape in shapes {
+        let [lens, plate] = on_its_own_shape(shape.clone());
+        let difference = lens.force / plate.force - 1.0;
+        println!("{shape:?}: {difference:.1e}");
+        assert!(lens.force > 0.0 && difference.abs() < 1e-8, "{shape:?}");
+        assert!(lens.contact_radius.is_some() && plate.contact_radius.is_none());
+    }
+}
+
+/// Hertz's force is exact for a paraboloid (Johnson, Contact Mechanics, section 4.2), and the limits name its slope.
+#[test]
+fn a_paraboloid_as_hertz() {
+    let grid = Grid::centred(128, 128, 0.3125e-6).expect("a grid");
+    let surface = HeightMap::from_height(grid, |_| 0.0).expect("a valid surface");
+    let shape = LensShape::Paraboloid {
+        radius: LENS_RADIUS,
+    };
+    let lens = ShapedLens::new(shape, rubber());
+    let system = SurfaceSystem::new(lens.into(), rubber(), surface, Boundary::FreeSpace);
+    let system = system.expect("a valid system");
+    let indentation = 0.25e-6;
+    let contact = press(&system, Load::Indentation(indentation));
+    let hertz = 4.0 / 3.0 * system.reduced_modulus() * LENS_RADIUS.sqrt() * indentation.powf(1.5);
+    assert!((contact.force / hertz - 1.0).abs() < 2e-4);
+    let limits = contact.limits(&system);
+    let slope = limits.iter().find(|limit| limit.name == "slope").unwrap();
+    let radius = (LENS_RADIUS * indentation).sqrt();
+    assert!((slope.value / (radius / LENS_RADIUS) - 1.0).abs() < 0.05);
+}
+
+/// Half the load of a level plate on two equal bumps acts on each; a tilted one loads the lower side first, at a negative indentation.
+#[test]
+fn a_tilted_plate_touches_its_lower_side_first() {
+    let grid = Grid::centred(96, 32, 0.5e-6).expect("a grid");
+    let bump = |[x, y]: [f64; 2]| -((x.abs() - 16e-6).powi(2) + y * y) / 0.4e-3;
+    let surface = HeightMap::from_height(grid, bump).expect("a valid surface");
+    let force_on = |tilt: f64, load: Load| {
+        let shape = LensShape::Plate {
+            tilt,
+            direction: 0.0,
+        };
+        let plate = ShapedLens::new(shape, rubber());
+        let system =
+            SurfaceSystem::new(plate.into(), rubber(), surface.clone(), Boundary::FreeSpace);
+        let contact = press(&system.expect("a valid system"), load);
+        let cells = grid.centres().zip(&contact.pressure);
+        let sides = cells.fold([0.0; 2], |mut sides, ([x, _], pressure)| {
+            sides[usize::from(x > 0.0)] += pressure * grid.cell_area();
+            sides
+        });
+        (sides, contact.indentation)
+    };
+    let force = 5e-6;
+    let load = Load::Force(force);
+    let ([left, right], level) = force_on(0.0, load);
+    assert!((left / right - 1.0).abs() < 1e-9 && level > 0.0);
+    // The plate rises along x by 16 um tan(tilt) between the axis and each bump.
+    let ([left, right], tilted) = force_on(0.05, load);
+    assert!(right == 0.0 && (left / force - 1.0).abs() < 1e-9);
+    let lower = 16e-6 * 0.05_f64.tan();
+    assert!(tilted < 0.0 && tilted > -lower);
 }

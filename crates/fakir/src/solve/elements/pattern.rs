@@ -6,8 +6,8 @@ use super::surface_level::check_fields;
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
     Boundary, Cells, ElementMesh, Feature, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Layer, Lens, Load, MeshLayout, Method, PillarColumns, PlacedPillar, Question,
-    Solver, SurfaceSystem, System, Unsupported,
+    InvalidHeightMap, Layer, Load, MeshLayout, Method, PillarColumns, PlacedPillar, Question,
+    Solver, SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -28,8 +28,6 @@ pub(crate) fn press_with_floor(
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
     Question::VerifyFloor.check(Solver::Elements, &Feature::of(system))?;
-    let sphere = system.lens().sphere();
-    let sphere = sphere.ok_or(Unsupported::BUT_FOR_A_SPHERE)?;
     let pillars = system.pillars_within(2.0 * reach);
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
@@ -37,7 +35,7 @@ pub(crate) fn press_with_floor(
     let grid = grid(system, cells_per_diameter, reach).map_err(|_| impossible.clone())?;
     // Check before the surface is drawn.
     check_fields(&grid, run)?;
-    let surface = surface_system(system, sphere, &pillars, &grid).map_err(|_| impossible)?;
+    let surface = surface_system(system, &pillars, &grid).map_err(|_| impossible)?;
     // Boundary elements measure the indentation from the highest pillar, other methods from the common height.
     let raised = surface.surface().highest() - system.pillar().height;
     let control = control.map(|indentation| indentation + raised, |force| force);
@@ -57,7 +55,7 @@ pub(crate) fn press_with_floor(
 
 /// Grid that contains all points within `reach` (m) of the lens axis.
 fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, InvalidGrid> {
-    let cell = system.pillar().diameter / cells_per_diameter as f64;
+    let cell = system.smallest_diameter() / cells_per_diameter as f64;
     // A multiple of 8 for three levels of cells.
     let count = 8 * (reach / (4.0 * cell)).ceil() as usize;
     Grid::centred(count, count, cell)
@@ -66,16 +64,15 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
 /// The pattern on cells.
 fn surface_system(
     system: &System,
-    sphere: Lens,
     pillars: &[PlacedPillar],
     grid: &Grid,
 ) -> Result<SurfaceSystem, Box<dyn std::error::Error>> {
-    let heights = drawn(system, pillars, grid)?;
-    let lens = Indenter::Lens(sphere);
+    let (heights, diameters) = drawn(system, pillars, grid)?;
+    let lens = Indenter::from(system.lens().clone());
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights, Boundary::FreeSpace)?;
     let layers = [system.substrate_layer(), system.lens_layer()].map(Option::<&Layer>::copied);
     let surface = surface.with_layers(layers[0], layers[1])?;
-    let surface = surface.with_round_tops(system.pillar().diameter)?;
+    let surface = surface.with_tops_of(diameters);
     let surface = surface.with_floor(Floor::OffPillars);
     // If pillars differ or end, the surroundings of the grid do not resemble its highest part.
     let arrangement = system.arrangement();
@@ -88,15 +85,15 @@ fn surface_system(
     )
 }
 
-/// Heights of the cells, and the pillars that they belong to.
+/// Heights of the cells and the pillars that they belong to, and the diameters of these pillars.
 fn drawn(
     system: &System,
     pillars: &[PlacedPillar],
     grid: &Grid,
-) -> Result<HeightMap, InvalidHeightMap> {
+) -> Result<(HeightMap, Vec<f64>), InvalidHeightMap> {
     let mut heights = vec![0.0; grid.cell_count()];
     let mut labels = vec![HeightMap::NO_PILLAR; grid.cell_count()];
-    let mut compliance = Vec::new();
+    let (mut compliance, mut diameters) = (Vec::new(), Vec::new());
     let shape = [grid.columns(), grid.rows()];
     for pillar in pillars {
         let label = compliance.len() as u32;
@@ -119,9 +116,14 @@ fn drawn(
         }
         if is_drawn {
             compliance.push(system.column_compliance_of(pillar.height, pillar.diameter));
+            diameters.push(pillar.diameter);
         }
     }
-    HeightMap::new(*grid, heights)?.with_pillars(PillarColumns { labels, compliance })
+    let pillars = PillarColumns { labels, compliance };
+    Ok((
+        HeightMap::new(*grid, heights)?.with_pillars(pillars)?,
+        diameters,
+    ))
 }
 
 /// Converts a contact on cells to a state of pillars and floor.

@@ -6,8 +6,8 @@
 //!
 //! # Indentation
 //!
-//! On a free half-space the indentation is zero where the lowest point of the lens, or the plate, is level with the highest point of the
-//! surface, wherever that is. Displacements under pressure are never negative there, so that only cells with a separation of the undeformed
+//! On a free half-space the indentation is zero where the lowest point of the lens, the plate, or the centre of a tilted plate, is level
+//! with the highest point of the surface, wherever that is. A plate and a cylinder carry no load outside the grid. Displacements under pressure are never negative there, so that only cells with a separation of the undeformed
 //! surfaces below the indentation can be touched. Of these, the unknowns are the cells of an active set, which grows until no other cell
 //! interpenetrates. Under a prescribed force, the indentation computed with some of the cells is an upper bound of the true one; their
 //! number increases until the bound is below all separations left out.
@@ -92,7 +92,11 @@ impl SurfaceSystem {
             // The error due to a contact that the cells do not resolve is unknown.
             (*force, *area) = (1.0, 1.0);
         }
-        let safety = self.round_tops().map_or(1.0, |_| SAFETY_ON_DISCS);
+        let safety = if self.round_tops().is_empty() {
+            1.0
+        } else {
+            SAFETY_ON_DISCS
+        };
         let error = changes.map(|[force, indentation, ..]| ErrorEstimate {
             force: match control {
                 Load::Force(_) => 0.0,
@@ -186,7 +190,7 @@ fn changes<const COUNT: usize>(history: &[[f64; COUNT]]) -> Option<[f64; COUNT]>
             // Contact exists only on larger cells: the error is unknown.
             1.0
         } else {
-            change / last[k]
+            change / last[k].abs()
         }
     }))
 }
@@ -203,7 +207,7 @@ mod tests {
 
     fn pressed(indentation: f64) -> SurfaceContact {
         let material = Material::new(2e6, 0.5);
-        let lens = Indenter::Lens(Lens {
+        let lens = Indenter::from(Lens {
             radius: 1e-3,
             material,
         });

@@ -6,10 +6,9 @@ use super::pillars::missing_compliances;
 use super::solver::{Prescribed, Settings};
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::{Columns, Operator};
-use crate::numerics::convergence::{Judgement, clamped};
+use crate::numerics::convergence::{Judgement, smaller};
 use crate::problem::scaled::RISING;
-use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Indenter, Point, SurfaceSystem};
-use crate::solve::spectral::LARGEST_CONTACT;
+use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Point, ShapedLens, SurfaceSystem};
 use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
     DualityGap, LoadSharing, Progress, Run, Share, SolveError, Stage, SurfaceContact, Termination,
@@ -156,8 +155,10 @@ impl<'a> Level<'a> {
             Prescribed::Force(force) if force > 0.0 => self.press_with_force(force),
             Prescribed::Force(_) => {
                 self.pressure.fill(0.0);
-                self.allow(0.0);
-                self.solve(Prescribed::Indentation(0.0))
+                // A tilted plate is lower than its centre somewhere.
+                let first = self.nearest(1).min(0.0);
+                self.allow(first);
+                self.solve(Prescribed::Indentation(first))
             }
         }
     }
@@ -186,13 +187,12 @@ impl<'a> Level<'a> {
 
     /// Indentation on a smooth surface, `(3 F c/(4 sqrt R))^(2/3)` after Hertz. Rough surfaces need more.
     fn smooth_indentation(&self, force: f64) -> f64 {
-        match self.system.indenter() {
-            Indenter::Lens(lens) => {
-                let c = self.system.contact_compliance();
-                (0.75 * force * c / lens.radius.sqrt()).powf(2.0 / 3.0)
-            }
-            Indenter::Flat(_) => 0.0,
-        }
+        let radius = self.system.indenter().lens().map(ShapedLens::apex_radius);
+        let Some(radius) = radius.filter(|radius| *radius > 0.0) else {
+            return 0.0;
+        };
+        let c = self.system.contact_compliance();
+        (0.75 * force * c / radius.sqrt()).powf(2.0 / 3.0)
     }
 
     /// The separation that is not exceeded by this many cells.
@@ -249,12 +249,13 @@ impl<'a> Level<'a> {
     /// Separation beyond which a contact is too large for the lens: slightly more than that at the largest allowed contact radius, from the
     /// lowest point of the surface.
     fn farthest_allowed(&self) -> f64 {
-        match self.system.indenter() {
-            Indenter::Lens(lens) => {
+        match self.system.indenter().lens() {
+            Some(lens) if !lens.is_flat() => {
                 let depth = self.surface.highest() - self.surface.lowest();
-                lens.sag(1.2 * LARGEST_CONTACT * lens.radius) + depth
+                let widest = smaller(1.2 * lens.largest_contact(), lens.widest());
+                lens.sag_at_distance(widest) + depth
             }
-            Indenter::Flat(_) => f64::MAX,
+            _ => f64::MAX,
         }
     }
 
@@ -352,15 +353,12 @@ impl<'a> Level<'a> {
 
     /// Refuses contacts that are too large for the lens or the period.
     fn check_extent(&self) -> Result<(), SolveError> {
-        let Indenter::Lens(lens) = self.system.indenter() else {
+        let Some(lens) = self.system.indenter().lens() else {
             return Ok(());
         };
-        let contact_radius = self.contact_radius();
-        if contact_radius > LARGEST_CONTACT * lens.radius {
-            return Err(SolveError::ContactExceedsLens {
-                contact_radius,
-                lens_radius: lens.radius,
-            });
+        let reach = self.reach(lens);
+        if reach > lens.largest_contact() {
+            return Err(SolveError::beyond(lens, reach, 1.0));
         }
         if self.system.boundary() == Boundary::Periodic {
             let grid = self.surface.grid();
@@ -381,15 +379,24 @@ impl<'a> Level<'a> {
         (0..self.pressure.len()).filter(|cell| self.pressure[*cell] > 0.0)
     }
 
+    /// Distance of the farthest cell in contact from the lens axis.
     fn contact_radius(&self) -> f64 {
+        self.farthest(|[x, y]| x.hypot(y))
+    }
+
+    /// Distance of the farthest cell in contact from the lowest point or line of the lens.
+    fn reach(&self, lens: &ShapedLens) -> f64 {
+        self.farthest(|place| lens.distance(place))
+    }
+
+    /// The largest distance among the cells in contact, to the middle of a side.
+    fn farthest(&self, distance: impl Fn(Point) -> f64) -> f64 {
         let grid = self.surface.grid();
         let [width, height] = grid.cell();
-        self.loaded()
-            .map(|cell| {
-                let [x, y] = from_axis(self.system, grid, cell);
-                x.hypot(y) + 0.5 * width.min(height)
-            })
-            .fold(0.0, f64::max)
+        let distances = self
+            .loaded()
+            .map(|cell| distance(from_axis(self.system, grid, cell)) + 0.5 * width.min(height));
+        distances.fold(0.0, f64::max)
     }
 
     /// Area of the cells in contact, m^2.
@@ -399,7 +406,7 @@ impl<'a> Level<'a> {
 
     /// Whether the undeformed lens is below some part of a cell at an indentation, although it may be above its centre.
     pub(super) fn is_touched_between_centres(&self, indentation: f64) -> bool {
-        let Indenter::Lens(lens) = self.system.indenter() else {
+        let Some(lens) = self.system.indenter().lens() else {
             return false;
         };
         let (grid, highest) = (self.surface.grid(), self.system.surface().highest());
@@ -409,9 +416,9 @@ impl<'a> Level<'a> {
             .iter()
             .enumerate()
             .any(|(cell, top)| {
-                let [x, y] = from_axis(self.system, grid, cell);
-                let nearest = [x.abs() - 0.5 * width, y.abs() - 0.5 * height].map(|at| at.max(0.0));
-                lens.sag(nearest[0].hypot(nearest[1])) + (highest - top) < indentation
+                let centre = from_axis(self.system, grid, cell);
+                let least = lens.least_over_cell(centre, [0.5 * width, 0.5 * height]);
+                least + (highest - top) < indentation
             })
     }
 
@@ -610,10 +617,7 @@ impl<'a> Level<'a> {
             indentation: pressed.indentation,
             force: pressed.force,
             contact_area: self.contact_area(),
-            contact_radius: match self.system.indenter() {
-                Indenter::Lens(_) => Some(self.contact_radius()),
-                Indenter::Flat(_) => None,
-            },
+            contact_radius: self.system.indenter().lens().map(|_| self.contact_radius()),
             shares: floor.map(|floor| self.shares(floor)),
             nearest_floor: floor.and_then(|floor| self.nearest_floor(floor, pressed, &gap)),
             warnings,
@@ -652,8 +656,8 @@ impl<'a> Level<'a> {
     /// On a free half-space no displacement is negative, so that nothing is touched where the separation of the undeformed surfaces exceeds
     /// the indentation: a grid as wide as that contains the whole contact. On layers only the displacements are checked.
     fn check_border(&self, displacement: &[f64], indentation: f64) -> Result<(), SolveError> {
-        let (Indenter::Lens(lens), Boundary::FreeSpace) =
-            (self.system.indenter(), self.system.boundary())
+        let (Some(lens), Boundary::FreeSpace) =
+            (self.system.indenter().bounded(), self.system.boundary())
         else {
             return Ok(());
         };
@@ -669,10 +673,10 @@ impl<'a> Level<'a> {
         let grid = self.surface.grid();
         let [width, height] = grid.cell();
         let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
-        let depth = clamped(indentation - (highest - outside), 0.0, lens.radius);
-        let reach = (depth * (2.0 * lens.radius - depth)).sqrt();
+        let rise = lens.distance_of_rise(indentation - (highest - outside));
+        let reach = rise.unwrap_or(lens.widest());
         let reach = if self.rises() { RISING * reach } else { reach };
-        let most = LARGEST_CONTACT * lens.radius;
+        let most = lens.largest_contact();
         // Always wider than now: the reach was computed with a truncated contact.
         let needed = (2.0 * MARGIN * reach.min(most)).max(GROWN * sides[0].max(sides[1]));
         Err(SolveError::SurfaceEnds { sides, needed })
@@ -685,22 +689,23 @@ impl<'a> Level<'a> {
         border_cells(grid).any(|cell| {
             let gap = self.separation[cell] + displacement[cell] - indentation;
             let above_level = gap - (level - heights[cell]);
-            self.pressure[cell] > 0.0 || above_level < -BORDER_TOLERANCE * indentation
+            self.pressure[cell] > 0.0 || above_level < -BORDER_TOLERANCE * indentation.abs()
         })
     }
 
     fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<Warning> {
         let mut warnings = Vec::new();
-        if let Indenter::Lens(lens) = self.system.indenter() {
-            let ratio = self.contact_radius() / lens.radius;
+        let indenter = self.system.indenter();
+        if let Some((lens, radius)) = indenter.lens().and_then(|it| Some((it, it.radius()?))) {
+            let ratio = self.reach(lens) / radius;
             if ratio > DOUBTFUL_CONTACT {
                 warnings.push(Warning::LargeContact { ratio });
             }
         }
-        // A plate is low everywhere, but carries no load where there is no surface.
-        let level = match self.system.indenter() {
-            Indenter::Lens(_) => self.system.surface().highest(),
-            Indenter::Flat(_) => f64::NEG_INFINITY,
+        // A plate or a cylinder is low far from its axis too, but carries no load where there is no surface.
+        let level = match indenter.bounded() {
+            Some(_) => self.system.surface().highest(),
+            None => f64::NEG_INFINITY,
         };
         if self.system.boundary() == Boundary::FreeSpace
             && self.is_low_at_border(displacement, indentation, level)
@@ -757,13 +762,10 @@ fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
         .iter()
         .enumerate()
         .map(|(cell, height)| {
-            let sag = match system.indenter() {
-                Indenter::Lens(lens) => {
-                    let [x, y] = from_axis(system, surface.grid(), cell);
-                    lens.sag(x.hypot(y))
-                }
-                Indenter::Flat(_) => 0.0,
-            };
+            let lens = system.indenter().lens();
+            let sag = lens.map_or(0.0, |lens| {
+                lens.sag(from_axis(system, surface.grid(), cell))
+            });
             sag + (highest - height)
         })
         .collect()
@@ -774,7 +776,8 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
     let Some(pillars) = surface.pillars() else {
         return Vec::new();
     };
-    let Some(diameter) = system.round_tops() else {
+    let diameters = system.round_tops();
+    let Some(unit) = diameters.first().map(|diameter| 0.5 * diameter) else {
         return pillars.compliance.clone();
     };
     let grid = surface.grid();
@@ -787,15 +790,15 @@ fn column_compliance(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
             cut[*label as usize] |= is_on_border(grid, cell);
         }
     }
-    let area = 0.25 * PI * diameter * diameter;
-    for (pattern, cut) in patterns.iter_mut().zip(cut) {
+    for ((pattern, cut), diameter) in patterns.iter_mut().zip(cut).zip(diameters) {
+        let area = 0.25 * PI * diameter * diameter;
         let covered = pattern.len() as f64 * grid.cell_area() / area;
         if cut || (covered - 1.0).abs() > ROUND {
             pattern.clear();
         }
     }
-    let unit = 0.5 * diameter;
-    let missing = missing_compliances(patterns, grid.cell().map(|side| side / unit), |_| 1.0);
+    let radius = |pillar: usize| 0.5 * diameters[pillar] / unit;
+    let missing = missing_compliances(patterns, grid.cell().map(|side| side / unit), radius);
     let scale = system.contact_compliance() / unit;
     pillars
         .compliance
