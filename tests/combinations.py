@@ -35,7 +35,7 @@ PHYSICS = ("plain", "layers", "elastic", "adhesive tops", "adhesive floor", "rou
 ROUNDING = 1e-9
 """Relative difference that rounding may cause in a sum over many pillars, beside the stated errors."""
 
-SECONDS = 120
+SECONDS = 300
 """Time limit of one computation."""
 
 
@@ -394,11 +394,12 @@ class Checks:
         case = self.case
         units = replace(case, length=2.0, modulus=0.5)
         copies = [("other units", units, (2.0, 2.0))]
+        if case.physics == "adhesive floor":
+            # Each cycle takes seconds.
+            return copies
         is_fixed = case.physics == "elements" or (case.arrangement == "scattered")
         if not is_fixed:
-            rotated = replace(case, rotation=0.7)
-            if case.physics != "adhesive floor":
-                copies.append(("rotated", rotated, (1.0, 1.0)))
+            copies.append(("rotated", replace(case, rotation=0.7), (1.0, 1.0)))
         if case.physics not in ("rounded", "elements") and case.question != "cycle":
             accurate = replace(case, extra=(("method.accuracy", "accurate"),))
             copies.append(("accurate", accurate, (1.0, 1.0)))

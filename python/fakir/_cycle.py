@@ -56,18 +56,18 @@ class Adhesion:
 
 @dataclass(frozen=True)
 class AdhesiveFloor:
-    """An adhesive floor in a cycle. Numbers are in SI units."""
+    """The floor in a cycle. Numbers are in SI units."""
 
-    force_before_jump: float
-    """Force before jump-in to the floor, N."""
-    jump: dict[str, Any]
-    """The state after jump-in: a row of ``floor.csv``."""
+    force_before_jump: float | None
+    """Force before jump-in to an adhesive floor, N."""
+    jump: dict[str, Any] | None
+    """The state after jump-in to an adhesive floor: a row of ``floor.csv``."""
     last: dict[str, Any] | None
     """The last state with floor contact; None if the contact persists."""
     force_after_loss: float | None
     """Force after detachment of the floor, N."""
-    cells_across_ring: float
-    """Number of cells across the detached ring around a pillar."""
+    cells_across_ring: float | None
+    """Number of cells across the detached ring around a pillar in an adhesive floor."""
     coarse: bool
     """Whether the cells are so coarse that only orders of magnitude are meaningful."""
     errors: dict[str, float]
@@ -156,9 +156,9 @@ class Cycle(CycleNumbers):
 
     @property
     def floor(self) -> AdhesiveFloor | None:
-        """Results of an adhesive floor; None if the floor is not adhesive, or was not touched."""
+        """Results for the floor; None if it was not touched."""
         found = self._summary.get("floor")
-        if found is None or found["jump"] is None:
+        if found is None or not found["stations"]:
             return None
         found = copy.deepcopy(found)
         return AdhesiveFloor(

@@ -13,6 +13,12 @@ import pytest
 EXAMPLES = Path(__file__).parents[2] / "examples"
 RUBBER = ("2 MPa", 0.5)
 CUT = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", columns=7)
+
+
+def shape_of(lens):
+    return type(lens).__name__.removesuffix("Lens").lower() or "sphere"
+
+
 LENSES = [
     fakir.Lens("2.2 mm", *RUBBER),
     fakir.ParaboloidLens("2.2 mm", *RUBBER),
@@ -45,6 +51,26 @@ def test_the_command_agrees():
     assert printed["force_N"] == state.force
 
 
+@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: type(lens).__name__)
+def test_a_height_map_takes_every_lens(lens):
+    place = 5e-6 * np.linspace(-1, 1, 64)
+    bump = -(place**2 + place[:, np.newaxis] ** 2) / 2e-4
+    surface = fakir.bem.Surface(bump, lens, fakir.Substrate(*RUBBER), width=1e-5)
+    assert surface.indenter == lens
+    contact = surface.press(force="1 uN")
+    assert contact.to_dict()["lens_shape"] == shape_of(lens)
+    # The curvatures of both bodies add up (Johnson, Contact Mechanics, section 4.1): close to Hertz on the bump.
+    modulus, radius = surface.reduced_modulus, 1e-4
+    hertz = (0.75e-6 / modulus / np.sqrt(radius)) ** (2 / 3)
+    assert contact.indentation == pytest.approx(hertz, rel=0.1)
+
+
+def test_a_level_plate_on_a_height_map_is_a_plate():
+    plate = fakir.PlateLens(*RUBBER)
+    surface = fakir.bem.Surface(np.zeros((8, 8)), plate, fakir.Substrate(*RUBBER), cell_size=1e-6)
+    assert surface.indenter == fakir.bem.Plate(*RUBBER)
+
+
 def test_what_cannot_be_is_refused():
     infinite = fakir.HexagonalPattern("6 um", "2.2 um", pitch="20 um")
     with pytest.raises(fakir.CaseError, match="infinitely many pillars"):
@@ -52,9 +78,8 @@ def test_what_cannot_be_is_refused():
     system = fakir.System(LENSES[2], fakir.Substrate(*RUBBER), CUT)
     with pytest.raises(fakir.SolveError, match="has no transition"):
         system.transition()
-    # The indenter of a height map is a separate sphere or plate.
-    with pytest.raises(TypeError, match="give a Lens or a Plate"):
-        fakir.bem.Surface(np.zeros((4, 4)), LENSES[1], fakir.Substrate(*RUBBER), cell_size=1e-6)
+    with pytest.raises(TypeError, match="give a lens or a Plate"):
+        fakir.bem.Surface(np.zeros((4, 4)), "lens", fakir.Substrate(*RUBBER), cell_size=1e-6)
     # What is made for a sphere gives no number.
     paper = fakir.HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1)
     other = fakir.System(LENSES[1], fakir.Substrate(*RUBBER), paper)

@@ -11,7 +11,7 @@ use std::process::Command;
 const SYSTEMS: &str = "300";
 
 /// Number of combinations of the check.
-const CELLS: &str = "100";
+const CELLS: &str = "60";
 
 /// The option for combinations.
 const COMBINATIONS: &str = "--combinations";

@@ -113,18 +113,17 @@ pub(crate) enum Command {
     /// --output the states are saved as a table, and force, contact radius and the fraction of the load carried by the floor are plotted
     /// over the indentation.
     ///
-    /// With adhesive pillar tops (a case with [adhesion]) the loading ends at the critical state: the floor force past it is not computed.
-    /// `fakir cycle` also computes unloading.
+    /// `fakir cycle` also computes unloading, for adhesive pillar tops (a case with [adhesion]).
     #[command(
         after_help = "Example: fakir approach case.toml --to 18um --output through-the-transition"
     )]
     Approach(Approach),
     /// Compute loading and unloading with adhesive pillar tops (a case with [adhesion])
     ///
-    /// Loading ends at --to or --to-force, or at the critical state, and at the latest where the lens reaches the floor, unless the floor
-    /// is adhesive too (adhesion.floor = true) or ignored (--without-floor): the force on a non-adhesive floor is not computed with
-    /// adhesive tops. Every change of contact is located exactly, so that the result does not depend on a step size. With --output the
-    /// curve, the events and the pillars attached at pull-off are saved as tables and figures.
+    /// Loading ends at --to or --to-force, or at the critical state. Past the critical state the floor carries load too, and is adhesive
+    /// with adhesion.floor = true; --without-floor ignores it. Every change of contact on the tops alone is located exactly, so that the
+    /// result does not depend on a step size; on the floor it is located to the cells and the steps, and the errors are estimated. With
+    /// --output the curve, the events and the pillars attached at pull-off are saved as tables and figures.
     ///
     /// `fakir approach --retract` is the older name of this command.
     #[command(after_help = "Example: fakir cycle case.toml --set adhesion.work=50mJ/m2")]

@@ -19,8 +19,7 @@ use crate::theory;
 /// the [system](System::with_floor) ignores floor contact, the state is computed as if there were no floor; the smallest floor gap is then
 /// negative.
 ///
-/// With [adhesion](System::adhesion) the result is the contact during loading, from first touch on, and loading ends at the critical state
-/// unless floor contact is ignored. For a prescribed force, it is the first state that reaches this force; for zero force, the lens is in
+/// With [adhesion](System::adhesion) the result is the contact during loading, from first touch on. For a prescribed force, it is the first state that reaches this force; for zero force, the lens is in
 /// equilibrium where it jumped into contact.
 ///
 /// # Errors

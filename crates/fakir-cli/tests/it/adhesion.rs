@@ -173,10 +173,11 @@ fn a_cycle_has_the_given_unloading_point() {
     assert_eq!(by_indentation["stopped_by_floor"], false);
     let by_force = cycle(["--to-force", "0.1mN"]);
     assert_close(&by_force["turn_force_N"], 1e-4, 1e-6);
-    // Farther than the floor permits, which is reported.
-    let too_far = cycle(["--to", "6um"]);
-    assert_eq!(too_far["stopped_by_floor"], true);
-    assert_close(&too_far["turn_indentation_m"], 4.07602e-6, 1e-4);
+    // Past the critical state, with load on the floor.
+    let past = cycle(["--to", "4.2um"]);
+    assert_close(&past["turn_indentation_m"], 4.2e-6, 1e-6);
+    assert_close(&past["critical_indentation_m"], 4.07602e-6, 1e-4);
+    assert!(past["floor"]["jump"].is_null() && past["floor"]["last"].is_object());
 }
 
 /// With the floor ignored the loading continues past the critical state, which is reported.
@@ -286,21 +287,16 @@ fn what_cannot_be_is_refused() {
     assert_eq!(bench.files("."), Vec::<String>::new());
 }
 
-/// `press` and `transition` are on the loading branch, which ends at the critical state.
+/// `press` and `transition` are on the loading branch; past the critical state the floor carries load too.
 #[test]
-fn the_loading_ends_at_the_critical_state() {
+fn the_loading_continues_on_the_floor() {
     let bench = Bench::new();
     let critical = bench.json(&["transition", &adhesive()]);
     assert_close(&critical["critical_force_N"], 3.773762e-4, 1e-4 + 3.0e-6);
-    let outcome = bench.run(&["press", &adhesive(), "--indentation", "6um"]);
-    assert_eq!(outcome.status, Some(3));
-    assert!(
-        outcome
-            .stderr
-            .contains("with adhesion the loading ends at the critical state"),
-        "{}",
-        outcome.stderr
-    );
+    let past = bench.json(&["press", &adhesive(), "--indentation", "4.3um"]);
+    assert_eq!(past["beyond_transition"], true);
+    let share = past["floor"]["share"].as_f64().unwrap();
+    assert!((0.001..0.1).contains(&share), "{share}");
 }
 
 /// Only cases without adhesion are verified, and this is reported: a case with adhesion is refused at the key of the adhesion.

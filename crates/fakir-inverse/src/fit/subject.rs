@@ -1,7 +1,7 @@
 //! What a fit presses a lens on: pillars or a flat surface.
 
 use super::error::FitError;
-use fakir::problem::{Adhesion, CyclePlan, Load};
+use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load};
 use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::result::cycle_warnings;
@@ -92,7 +92,11 @@ impl Subject {
         Ok(match self {
             Self::Pillars(case) => {
                 let system = case.system.with_adhesion(some(self.adhesion()));
-                let system = system.map_err(SolveError::from)?;
+                let mut system = system.map_err(SolveError::from)?;
+                // Rows past the transition are left out, and the floor between the tops takes most of the time.
+                if !system.adhesion().floor {
+                    system = system.with_floor(FloorModel::Ignored);
+                }
                 let cycle = fakir::cycle(&system, plan, case.method, run)?;
                 FittedCycle::Pillars(Box::new(cycle))
             }

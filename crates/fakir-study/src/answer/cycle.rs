@@ -107,7 +107,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.length("at rest without load", indentation, String::new());
     }
     turn_and_pull_off(&mut list, cycle);
-    adhesive_floor(&mut list, cycle);
+    floor_contact(&mut list, cycle);
     match cycle.separation {
         Some(indentation) => list.length("last release", indentation, String::new()),
         None => list.row("last release", "-".to_owned(), "", "still attached"),
@@ -167,8 +167,10 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     let reason = match &cycle.critical {
         Some(critical) if turn.indentation > critical.contact.indentation => {
             let state = &critical.contact;
-            let how = if cycle.floor.is_some() {
+            let how = if cycle.system.adhesion().floor && cycle.floor.is_some() {
                 "on the adhesive floor"
+            } else if cycle.floor.is_some() {
+                "on the floor too"
             } else {
                 "as if without floor"
             };
@@ -184,7 +186,6 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
         }
         Some(_) if cycle.floor.is_some() => "after the jump onto the floor".to_owned(),
         Some(_) => "critical state: the lens just reaches the floor".to_owned(),
-        None if cycle.stopped_by_floor => "the lens reaches the floor".to_owned(),
         None => String::new(),
     };
     list.quantity(
@@ -229,15 +230,18 @@ pub fn turn_and_pull_off(list: &mut QuantityList, cycle: &Cycle) {
     }
 }
 
-/// Adds the jump onto an adhesive floor, and its detachment.
-fn adhesive_floor(list: &mut QuantityList, cycle: &Cycle) {
+/// Adds the jump onto an adhesive floor, and the detachment of any floor.
+fn floor_contact(list: &mut QuantityList, cycle: &Cycle) {
     let Some(resolution) = cycle.floor else {
         return;
     };
     let errors = resolution.errors;
     let filled = |floor: &HeldFloor| {
         let share = with_unit(floor.force, Dimension::Force, 3);
-        format!("{} holes filled, floor {share}", floor.holes)
+        match floor.holes {
+            Some(holes) => format!("{holes} holes filled, floor {share}"),
+            None => format!("floor {share}"),
+        }
     };
     if let Some([before, after]) = cycle.floor_jump()
         && let Some(floor) = &after.floor
@@ -275,15 +279,19 @@ fn adhesive_floor(list: &mut QuantityList, cycle: &Cycle) {
             );
         }
         None => {
-            list.row("floor lost", "-".to_owned(), "", "still attached");
+            list.row("floor lost", "-".to_owned(), "", "still in contact");
         }
     }
-    list.row(
-        "cells across a free ring",
-        significant(resolution.cells_across_ring, 2),
-        "",
-        &format!("of {}", with_unit(resolution.cell, Dimension::Length, 2)),
-    );
+    let cell = with_unit(resolution.cell, Dimension::Length, 2);
+    match resolution.cells_across_ring {
+        Some(cells) => list.row(
+            "cells across a free ring",
+            significant(cells, 2),
+            "",
+            &format!("of {cell}"),
+        ),
+        None => list.length("cells of the floor", resolution.cell, String::new()),
+    };
 }
 
 /// Values below any significant error are rounding errors, and differ between machines.

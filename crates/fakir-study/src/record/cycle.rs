@@ -166,8 +166,8 @@ fn loading() -> Vec<Named<Cycle>> {
         .in_objects(),
         Named::flag(
             "stopped_by_floor",
-            "whether the floor ended the loading before the requested load",
-            |it: &Cycle| it.stopped_by_floor,
+            "always `false`: loading continues on the floor",
+            |_: &Cycle| false,
         )
         .in_objects(),
     ]
@@ -263,7 +263,7 @@ fn adhesive_floor() -> [Named<Cycle>; 10] {
         Named::count_if_any(
             "jump_holes",
             "number of hollow sites between three pillars in contact after the jump",
-            |it: &Cycle| Some(jump(it)?.1.holes),
+            |it: &Cycle| jump(it)?.1.holes,
         ),
         Named::number_if_any(
             "floor_lost_indentation_m",

@@ -107,8 +107,8 @@ pub struct FloorRow {
     pub floor_contact_area_m2: Option<f64>,
     /// Distance of its farthest point in contact from the lens axis, m.
     pub floor_radius_m: f64,
-    /// Number of centres between three pillars that are in contact.
-    pub filled_holes: usize,
+    /// Number of centres between three pillars of a hexagonal lattice that are in contact.
+    pub filled_holes: Option<usize>,
 }
 
 impl FloorRow {
@@ -158,8 +158,8 @@ struct FloorObject {
     /// Square root of the area of a cell, m.
     cell_m: f64,
     /// Number of cells across the detached ring around a pillar, and along the radius of the first patch.
-    cells_across_ring: f64,
-    cells_along_patch: f64,
+    cells_across_ring: Option<f64>,
+    cells_along_patch: Option<f64>,
     /// Whether the cells are so coarse that only orders of magnitude are meaningful.
     coarse: bool,
     relative_error_estimate: FloorErrorsObject,
@@ -186,7 +186,7 @@ impl FloorObject {
         let errors = resolution.errors;
         Some(Self {
             force_before_jump_N: cycle.floor_jump().map(|[before, _]| before.force),
-            jump: stations.first().copied(),
+            jump: (cycle.floor_jump()).and(stations.first().copied()),
             last: cycle.floor_lost().and(stations.last().copied()),
             indentation_after_loss_m: cycle.floor_lost().map(|[_, after]| after.indentation),
             force_after_loss_N: cycle.floor_lost().map(|[_, after]| after.force),
@@ -284,13 +284,13 @@ mod tests {
             force: 1e-6,
             area,
             radius: 1e-5,
-            holes: 3,
+            holes: Some(3),
         });
         let mut with = |jump_area: f64| {
             cycle.floor = Some(FloorResolution {
                 cell: 1e-7,
-                cells_across_ring: 5.0,
-                cells_along_patch: 5.0,
+                cells_across_ring: Some(5.0),
+                cells_along_patch: Some(5.0),
                 errors: AdhesiveFloorErrors {
                     turn_force: 0.01,
                     turn_share: 0.01,

@@ -15,9 +15,9 @@ pub struct CyclePlan {
     pub retract: bool,
 }
 
-/// End of loading. If the floor is neither ignored nor [adhesive](crate::problem::Adhesion::floor), loading ends at the critical state at
-/// the latest: contact of a non-adhesive floor with adhesive tops is not supported. On an adhesive floor, fraction 1 of the critical
-/// indentation is the state after the lens has jumped into contact with the floor.
+/// End of loading. Past the critical state the floor carries load too, unless it is ignored. On an
+/// [adhesive floor](crate::problem::Adhesion::floor), fraction 1 of the critical indentation is the state after the lens has jumped into
+/// contact with the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UnloadingPoint {
     /// At this fraction of the critical indentation, above 0 and at most 1.

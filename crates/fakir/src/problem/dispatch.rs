@@ -399,13 +399,6 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ON_PILLARS,
-        &[ADHESIVE_FLOOR, LAYER],
-        "an adhesive floor is not supported if the lens or the substrate is a layer",
-        "leave out the thicknesses, or use adhesion of the tops only",
-    ),
-    rule(
-        ANY,
-        ON_PILLARS,
         &[LAYER, SEVERAL_DIAMETERS],
         "pillars of several diameters are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses, or give all pillars the common diameter",
@@ -423,13 +416,6 @@ static RULES: &[Rule] = &[
         &[ADHESIVE_TOPS, &[Feature::SeveralColumns]],
         "adhesion is supported only on columns of equal compliance, and here heights differ",
         "give all pillars the same height, or use rigid pillars",
-    ),
-    rule(
-        ANY,
-        SPECTRAL,
-        &[ADHESIVE_FLOOR, OTHER_ARRANGEMENT],
-        "an adhesive floor is supported only between pillars on an infinite hexagonal lattice without rotation",
-        "use the hexagonal lattice without rotation, columns and scatter, or adhesion of the tops only",
     ),
     rule(
         ANY,

@@ -1,7 +1,7 @@
 //! Results with adhesive pillar tops, assembled from the [path](super::path) of loading and unloading.
 
 use super::assembled::floor_gap;
-use super::bonded_floor_errors::{Figures, PLAIN, VARIATIONS};
+use super::bonded_floor_errors::{Figures, PLAIN, PLAIN_FLOOR, PLAIN_VARIATIONS, VARIATIONS};
 use super::estimate::unknowns_only;
 use super::floor::FloorPoint;
 use super::mixed::patches;
@@ -64,6 +64,9 @@ const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
 /// the spectral method.
 const LEFT_OPEN: f64 = 2.0;
 
+/// Width of the cells of a floor without adhesion, in pillar radii times [`FloorResolution::WANTED`].
+const PLAIN_CELLS: f64 = 0.2 * FloorResolution::WANTED;
+
 /// Distance by which the first window of an adhesive floor extends beyond the first patch, in units of the pillar spacing.
 const FIRST_WINDOW: f64 = 1.5;
 
@@ -93,12 +96,6 @@ pub(crate) fn press(
         retract: false,
     };
     let loaded = route.followed(system, &scene, accuracy, run, &|_| {})?;
-    if loaded.stopped_by_floor {
-        return Err(SolveError::PastTransition {
-            indentation: loaded.turn.indentation,
-            force: loaded.turn.force,
-        });
-    }
     let ErrorEstimate { force, indentation } = loaded.turn.error;
     let error = unknowns_only(control, loaded.turn.termination, [force, indentation]);
     Ok(ContactState {
@@ -184,9 +181,13 @@ impl Route {
         let mut loaded = varied(PLAIN, follow)?;
         if let Some(floor) = loaded.loading.floor {
             if !floor.is_coarse() && loaded.turn.converged() {
-                let others = VARIATIONS.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
+                let (variations, safety) = match loaded.loading.path.floor_works {
+                    Some(_) => (VARIATIONS, 1.0),
+                    None => (PLAIN_VARIATIONS, PLAIN_FLOOR),
+                };
+                let others = variations.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
                 let others: Vec<Figures> = others.into_iter().collect::<Result<_, SolveError>>()?;
-                let errors = loaded.figures().errors(&others);
+                let errors = loaded.figures().errors(&others).times(safety);
                 loaded.loading.floor = Some(FloorResolution { errors, ..floor });
             }
             loaded.weigh();
@@ -195,18 +196,15 @@ impl Route {
     }
 }
 
-/// Whether the lens adheres to the floor after it reaches the floor.
-fn has_adhesive_floor(system: &System) -> bool {
-    system.adhesion().floor && system.floor_model() != FloorModel::Ignored
-}
-
 /// A loading on adhesive tops.
 struct Loading<'a> {
     system: &'a System,
     accuracy: Accuracy,
     path: Path<'a>,
-    /// Numerical resolution of the floor; `None` unless the floor is adhesive and was touched.
+    /// Numerical resolution of the floor; `None` unless it was touched.
     floor: Option<FloorResolution>,
+    /// Whether a jump of a top into contact brought the lens to the floor, so that the critical state is where the top jumps.
+    floor_in_jump: bool,
 }
 
 /// The state at the end of a loading.
@@ -217,8 +215,6 @@ struct Loaded<'a> {
     critical: Option<CriticalState>,
     /// Number of events before the floor was reached.
     events_before_floor: Option<usize>,
-    /// Whether the floor was reached before the prescribed end.
-    stopped_by_floor: bool,
 }
 
 impl<'a> Loading<'a> {
@@ -244,16 +240,19 @@ impl<'a> Loading<'a> {
                 FixedQuantity::Crosshead(stiffness * scene.length / scene.force())
             }
         };
+        let mut path = Path::new(scene, run, fronts, fixed)?;
+        path.floor_works = adhesion.floor.then_some(works);
         Ok(Self {
             system,
             accuracy,
-            path: Path::new(scene, run, fronts, fixed)?,
+            path,
             floor: None,
+            floor_in_jump: false,
         })
     }
 
-    /// Loads to a prescribed end, or to the floor unless the floor is ignored. If loading ends at an adhesive floor, continues to the state
-    /// after jump-in if `jumps` is set.
+    /// Loads to a prescribed end, also past the first contact with the floor, or to that. If loading ends at an adhesive floor, continues to
+    /// the state after jump-in if `jumps` is set.
     fn until(mut self, end: End, jumps: bool) -> Result<Loaded<'a>, SolveError> {
         let ignored = self.system.floor_model() == FloorModel::Ignored;
         let (mut critical, mut events_before_floor) = (None, None);
@@ -264,12 +263,21 @@ impl<'a> Loading<'a> {
             {
                 Stop::Floor(lowest) => {
                     events_before_floor = Some(self.path.events.len());
+                    let indentation = self.path.indentation();
+                    self.floor_in_jump = lowest.indentation < (1.0 - SOLVER_ERROR) * indentation;
+                    let state = self.state(Termination::Converged);
+                    let [force, indentation] = self.jump_errors();
                     let contact = ContactState {
                         smallest_floor_gap: 0.0, // exact up to rounding
-                        ..self.state(Termination::Converged)
+                        error: ErrorEstimate {
+                            force: state.error.force + force,
+                            indentation: state.error.indentation + indentation,
+                        },
+                        ..state
                     };
                     critical = Some(CriticalState::new(contact.clone()));
-                    if has_adhesive_floor(self.system) && (jumps || end != End::Floor) {
+                    let jumps = jumps && self.path.floor_works.is_some();
+                    if !ignored && (jumps || end != End::Floor) {
                         if let Some(listener) = self.path.run.interim
                             && self.path.variation == PLAIN
                         {
@@ -284,7 +292,6 @@ impl<'a> Loading<'a> {
                             loading: self,
                             critical,
                             events_before_floor,
-                            stopped_by_floor: false,
                         });
                     }
                     if ignored && end != End::Floor {
@@ -295,7 +302,6 @@ impl<'a> Loading<'a> {
                         turn: contact,
                         critical,
                         events_before_floor,
-                        stopped_by_floor: end != End::Floor,
                     });
                 }
                 stop => {
@@ -308,7 +314,6 @@ impl<'a> Loading<'a> {
                         loading: self,
                         critical,
                         events_before_floor,
-                        stopped_by_floor: false,
                     });
                 }
             }
@@ -317,20 +322,26 @@ impl<'a> Loading<'a> {
 
     /// Starts adhesion on the floor, from its lowest point.
     fn attach_floor(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
-        let (scene, works) = (self.path.scene, self.path.tops.fronts.works());
-        let pillar = BondedFloorPillar::of(self.system);
-        let ring = pillar.free_ring(self.system.adhesion().receding());
-        let ring = (ring.ok().flatten()).map_or(scene.field.spacing(), |ring| ring / scene.length);
-        let curvature = self.path.gap_radius(&lowest);
-        let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
+        let (scene, spacing) = (self.path.scene, self.path.scene.field.spacing());
+        // The widths of a free ring around a pillar and of the first patch, if the floor is adhesive.
+        let widths = self.path.floor_works.map(|works| {
+            let pillar = BondedFloorPillar::of(self.system);
+            let ring = pillar.free_ring(self.system.adhesion().receding());
+            let ring = (ring.ok().flatten()).map_or(spacing, |ring| ring / scene.length);
+            let curvature = self.path.gap_radius(&lowest);
+            let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
+            [ring, patch]
+        });
+        let [ring, patch] = widths.unwrap_or([PLAIN_CELLS, f64::INFINITY]);
         let division = self.path.bonded_division(self.accuracy, ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,
-            cells_across_ring: ring / cell,
-            cells_along_patch: patch / cell,
+            cells_across_ring: widths.map(|[ring, _]| ring / cell),
+            cells_along_patch: widths.map(|[_, patch]| patch / cell),
             errors: AdhesiveFloorErrors::UNKNOWN,
         });
+        let patch = widths.map_or(0.0, |[_, patch]| patch);
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
         self.path.attach_floor(lowest, division, window)
@@ -417,11 +428,20 @@ impl<'a> Loading<'a> {
 
     fn warnings(&self, contact_ratio: f64) -> Vec<Warning> {
         let mut warnings = warnings(self.system, contact_ratio);
-        if let Some(floor) = self.floor.filter(|floor| floor.is_coarse()) {
-            let cells = floor.cells_across_ring;
+        if let Some(floor) = self.floor.filter(|floor| floor.is_coarse())
+            && let Some(cells) = floor.cells_across_ring
+        {
             warnings.push(Warning::CoarseFloor { cells });
         }
         warnings
+    }
+
+    /// Relative errors of force and indentation of a critical state where a top jumps into contact: the place of the jump depends on the gap
+    /// at its rim, as the load at which a rim detaches.
+    fn jump_errors(&self) -> [f64; 2] {
+        let [_, rim] = self.degree_errors();
+        let error = if self.floor_in_jump { rim } else { 0.0 };
+        [error, INDENTATION_SHARE * error]
     }
 
     /// Relative errors due to the degree of the pressure: of forces, and of the load at which a rim detaches.
@@ -498,7 +518,6 @@ impl Loaded<'_> {
             turn,
             critical,
             events_before_floor,
-            stopped_by_floor,
         } = self;
         let path = &loading.path;
         let scene = path.scene;
@@ -565,7 +584,6 @@ impl Loaded<'_> {
             events,
             critical,
             turn,
-            stopped_by_floor,
             pull_off,
         }
     }
@@ -614,10 +632,12 @@ impl Loading<'_> {
         let of_critical = critical.map_or([0.0; 2], |critical| {
             self.errors_of_parts(&critical.contact.pillars, critical.contact.force)
         });
-        let [critical_force, critical_indentation] = [1.0, INDENTATION_SHARE].map(|part| {
+        let jumps = self.jump_errors();
+        let [critical_force, critical_indentation] = [0, 1].map(|which| {
+            let part = [1.0, INDENTATION_SHARE][which];
             let [levels, fronts] = of_critical.map(|error| part * error);
             CycleError {
-                degree,
+                degree: degree + jumps[which],
                 levels,
                 fronts,
                 ..CycleError::default()

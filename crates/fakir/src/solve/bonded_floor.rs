@@ -1,9 +1,10 @@
-//! The adhesive floor on the [path](super::path) of loading and unloading.
+//! The floor on the [path](super::path) of loading and unloading with adhesive tops.
 //!
 //! With the tops and the floor cells in contact linearized, the problem is linear, with pressures of either sign. After every step of the
 //! indentation, at fixed indentation, the [fronts](super::rules::floor_fronts) on the floor move by one cell at a time as long as the
 //! energy release rate exceeds the work of adhesion, together with the tops. Intermediate states are not recorded: on loading the lens
-//! penetrates the floor in them.
+//! penetrates the floor in them. Cells of a floor without adhesion come into contact where the lens would penetrate it, and lose contact in
+//! tension.
 
 use super::floor::FloorPoint;
 use super::floor_start::FloorPressures;
@@ -74,7 +75,11 @@ impl<'a> Path<'a> {
             return Ok(());
         };
         let mut cells = FloorCells::new(grid, self.run.pool);
-        let mut fronts = FloorFronts::new(&cells.grid, self.works.times(self.variation.works));
+        let mut fronts = FloorFronts::new(
+            &cells.grid,
+            self.floor_works
+                .map(|works| works.times(self.variation.works)),
+        );
         let unit_cell = cells.unit_cell();
         let centres: Vec<Point> = cells.grid.cells.centres().collect();
         let mut known: Vec<Option<[f64; 2]>> = centres.into_iter().map(known).collect();
@@ -192,7 +197,12 @@ impl<'a> Path<'a> {
             return Ok(());
         };
         let grid = &floor.cells.grid;
-        let needed = floor.radius() + WINDOW_CELLS * grid.division.longest();
+        // Without adhesion, contact begins in every hollow by itself, also beyond the contact so far.
+        let beyond = match (self.floor_works, course) {
+            (None, Course::Loading) => self.scene.field.spacing(),
+            _ => 0.0,
+        };
+        let needed = floor.radius() + WINDOW_CELLS * grid.division.longest() + beyond;
         let wider = match course {
             Course::Loading => WIDER_LOADING,
             Course::Unloading => WIDER_UNLOADING,
@@ -223,9 +233,10 @@ impl<'a> Path<'a> {
         })
     }
 
-    fn filled_holes(&self) -> usize {
+    /// Number of hollow sites of a hexagonal lattice that are in contact; `None` for other arrangements.
+    fn filled_holes(&self) -> Option<usize> {
         let (Some(floor), Some(lattice)) = (&self.floor, self.scene.hexagonal_lattice()) else {
-            return 0;
+            return None;
         };
         let grid = &floor.cells.grid;
         let columns = grid.cells.grid().columns();
@@ -235,12 +246,11 @@ impl<'a> Path<'a> {
         }
         let centres = self.sites.centres().iter();
         let holes = centres.flat_map(|centre| lattice.middles_beside(*centre));
-        holes
-            .filter(|point| {
-                grid.position_of(*point)
-                    .is_some_and(|[column, row]| bonded[row * columns + column])
-            })
-            .count()
+        let filled = holes.filter(|point| {
+            grid.position_of(*point)
+                .is_some_and(|[column, row]| bonded[row * columns + column])
+        });
+        Some(filled.count())
     }
 }
 
@@ -524,6 +534,66 @@ mod tests {
         check_spheres(&[(12.0, [1.0; 2], 0.03)]);
     }
 
+    /// A sphere on an adhesive film without pillars: the force and the pull-off force of the flat surface, which are computed from an
+    /// integral equation.
+    #[test]
+    fn sphere_on_a_film() {
+        use crate::problem::{Adhesion, CyclePlan, FlatSystem, Layer, Lens, Load, UnloadingPoint};
+        let run = Run::default();
+        let thickness = 24.0;
+        let system = reference::intermediate(0.03);
+        let plain = bare(200.0);
+        let film = Layer::new(thickness * plain.length);
+        let layered = system.with_layers(Some(film), None).unwrap();
+        let scene = Scene {
+            layers: Scene::new(&layered).layers,
+            ..plain
+        };
+        let lens = scene.lens.sphere_radius();
+        let w = 2.0 * 12.0_f64.powi(3) / (9.0 * PI * lens * lens);
+        let mut path = path(&scene, &run, [w; 2]);
+        let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
+            panic!("the floor is reached");
+        };
+        path.attach_floor(lowest, Division::new(&scene.field, 100), 25.0)
+            .unwrap();
+        let depth = 0.2;
+        path.go(
+            Course::Loading,
+            End::Indentation(scene.height + depth),
+            false,
+        )
+        .unwrap();
+        let pressed = path.force() * scene.force();
+        let step = 0.02 * 144.0 / lens;
+        while path.floor.is_some() {
+            let next = path.indentation() - step;
+            path.go(Course::Unloading, End::Indentation(next), false)
+                .unwrap();
+        }
+        let pull = path.stations.iter().map(|s| s.force).fold(0.0, f64::min) * scene.force();
+        let sphere = Lens {
+            radius: lens * scene.length,
+            material: system.lens().material,
+        };
+        let flat = FlatSystem::new(sphere, *system.substrate()).unwrap();
+        let work = Adhesion::new(w * scene.pressure * scene.length);
+        let on_half_space = flat.with_adhesion(work).unwrap();
+        let on_film = on_half_space.clone().with_layers(Some(film), None).unwrap();
+        let load = Load::Indentation(depth * scene.length);
+        let [expected, thick] =
+            [&on_film, &on_half_space].map(|flat| flat.press(load, &run).unwrap().force);
+        println!("{pressed:e}, on a flat film {expected:e}, on a half-space {thick:e}");
+        assert!((pressed / expected - 1.0).abs() < 0.01 && (thick / expected - 1.0).abs() > 0.1);
+        let plan = CyclePlan {
+            turn: UnloadingPoint::Indentation(depth * scene.length),
+            ..CyclePlan::default()
+        };
+        let expected = on_film.cycle(&plan, &run).unwrap().pull_off.unwrap().force;
+        println!("pull-off {pull:e}, on a flat film {expected:e}");
+        assert!((pull / expected - 1.0).abs() < 0.03);
+    }
+
     #[test]
     fn sphere_that_is_harder_to_part_than_to_join() {
         check_spheres(&[(12.0, [1.0 / 3.0, 1.0], 0.03)]);
@@ -671,7 +741,7 @@ mod tests {
         let jumped = path.force() * scene.force();
         println!("jump: {jumped:e}");
         assert!((3.05e-4..3.37e-4).contains(&jumped), "{jumped:e}");
-        let holes = path.floor_station().unwrap().holes;
+        let holes = path.floor_station().unwrap().holes.unwrap();
         assert!((24..=36).contains(&holes), "{holes}");
         assert_near("area", bonded_area(&path), 13740.0, 0.25);
         (path, critical)

@@ -36,6 +36,23 @@ pub(super) const VARIATIONS: [Variation; 2] = [
     },
 ];
 
+/// The same for a floor without adhesion, on which nothing depends on works of adhesion.
+pub(super) const PLAIN_VARIATIONS: [Variation; 2] = [
+    Variation {
+        cells: 1.5,
+        works: 1.0,
+        loss_step: 1.0,
+    },
+    Variation {
+        cells: 2.0,
+        works: 1.0,
+        loss_step: 1.0,
+    },
+];
+
+/// Factor on the differences for such a floor: results converge at least in proportion to the cell size, which differs by a half.
+pub(super) const PLAIN_FLOOR: f64 = 2.0;
+
 /// Factor on the difference of the loop areas: fronts on cells are pinned until the next cell, which dissipates an energy proportional to
 /// the cell size, so that twice the difference remains.
 const LOOP_AREA: f64 = 2.0;
@@ -77,6 +94,22 @@ impl Figures {
                 + error(&|it| it.lost.map(|[last, _]| last)).max(between / PLAIN.loss_step),
             pull_off_force: error(&|it| it.pull_off),
             loop_area: LOOP_AREA * error(&|it| it.loop_area),
+        }
+    }
+}
+
+impl AdhesiveFloorErrors {
+    /// All errors multiplied by a factor.
+    pub(super) fn times(self, factor: f64) -> Self {
+        Self {
+            turn_force: factor * self.turn_force,
+            turn_share: factor * self.turn_share,
+            turn_area: factor * self.turn_area,
+            jump_force: factor * self.jump_force,
+            jump_area: factor * self.jump_area,
+            lost_indentation: factor * self.lost_indentation,
+            pull_off_force: factor * self.pull_off_force,
+            loop_area: factor * self.loop_area,
         }
     }
 }

@@ -119,12 +119,14 @@ pub(crate) struct Path<'a> {
     pub(crate) sites: Sites,
     pub(crate) tops: AdhesiveTops,
     pub(crate) contact: LinearizedContact<'a, SurfaceCoupling<'a>>,
-    /// The part of the floor in contact, if it is adhesive.
+    /// The part of the floor in contact.
     pub(crate) floor: Option<BondedFloor<'a>>,
     /// The disc inside a top that is the only one in contact, if there is one. All tops then count as out of contact.
     pub(crate) inside: Option<InsideTop>,
     exterior: Exterior,
     pub(super) works: Works,
+    /// Works of adhesion of the floor; `None` if it is not adhesive.
+    pub(super) floor_works: Option<Works>,
     /// Numerical variation of the floor solution.
     pub(super) variation: Variation,
     fixed: FixedQuantity,
@@ -174,6 +176,7 @@ impl<'a> Path<'a> {
             run,
             follower: &|_| {},
             works: fronts.works(),
+            floor_works: Some(fronts.works()),
             variation: PLAIN,
             tops: AdhesiveTops::new(fronts, &sites),
             loads: vec![0.0; own_load.len()],
@@ -385,8 +388,8 @@ impl<'a> Path<'a> {
             })
     }
 
-    /// Starts adhesion on the floor from its lowest point, on the cells of a division in a window of a radius, and computes the state after
-    /// jump-in.
+    /// Starts contact with the floor at its lowest point, on the cells of a division in a window of a radius. On an adhesive floor, computes
+    /// the state after jump-in.
     pub(crate) fn attach_floor(
         &mut self,
         lowest: FloorPoint,
@@ -395,6 +398,9 @@ impl<'a> Path<'a> {
     ) -> Result<(), SolveError> {
         self.lay_floor(Course::Loading, division, radius, &|_| None)?;
         self.contact.all_loads(&mut self.loads);
+        if self.floor_works.is_none() {
+            return Ok(());
+        }
         let start = [self.indentation(), self.force()];
         let energy = self.elastic_energy();
         self.seed_floor(lowest);
@@ -673,9 +679,13 @@ impl<'a> Path<'a> {
             self.find_loads();
             return Ok(0);
         }
-        change.gained += area.max(0.0);
-        change.lost += (-area).max(0.0);
-        if self.floor.as_ref().is_some_and(|floor| floor.bonded() == 0) {
+        if self.floor_works.is_some() {
+            change.gained += area.max(0.0);
+            change.lost += (-area).max(0.0);
+        }
+        // A floor without adhesion is touched as soon as the lens penetrates it.
+        let may_touch = self.floor_works.is_none() && course == Course::Loading;
+        if !may_touch && self.floor.as_ref().is_some_and(|floor| floor.bonded() == 0) {
             self.lift_floor();
         }
         self.respond()?;

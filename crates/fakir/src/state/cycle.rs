@@ -52,7 +52,7 @@ pub struct CycleLoadStep {
     pub floor: Option<HeldFloor>,
 }
 
-/// The contact with an adhesive floor.
+/// The contact with the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFloor {
     /// Force on the floor, N; negative for tension.
@@ -61,26 +61,28 @@ pub struct HeldFloor {
     pub area: f64,
     /// Distance of the farthest cell in contact from the lens axis, m.
     pub radius: f64,
-    /// Number of centres of three pillars of a hexagonal lattice in contact.
-    pub holes: usize,
+    /// Number of centres of three pillars of a hexagonal lattice in contact; `None` for other arrangements.
+    pub holes: Option<usize>,
 }
 
-/// Resolution of an adhesive floor.
+/// Resolution of the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorResolution {
     /// Root of the area of a cell, m.
     pub cell: f64,
     /// Number of cells across the free annulus around a pillar, from the closed form of an annulus without pressure. With fewer than
-    /// [`ENOUGH`](Self::ENOUGH), the results are correct in order of magnitude only: the floor detaches too late.
-    pub cells_across_ring: f64,
-    /// Number of cells along the radius of the first patch, from its energy.
-    pub cells_along_patch: f64,
+    /// [`ENOUGH`](Self::ENOUGH), the results are correct in order of magnitude only: the floor detaches too late. `None` for a floor without
+    /// adhesion.
+    pub cells_across_ring: Option<f64>,
+    /// Number of cells along the radius of the first patch, from its energy; `None` for a floor without adhesion.
+    pub cells_along_patch: Option<f64>,
     /// Errors of the results due to the cell size and the model of fronts.
     pub errors: AdhesiveFloorErrors,
 }
 
-/// Estimated relative errors of results for an adhesive floor: the largest differences from two additional cycles on cells 1.5 times as
-/// large, with a work of adhesion for fronts on the floor that is 7 % smaller and 7 % larger. This is the uncertainty of the work of
+/// Estimated relative errors of results for the floor. Without adhesion of the floor they are twice the largest difference from two
+/// additional cycles on cells 1.5 and 2 times as large. For an adhesive floor they are the largest differences from two additional cycles
+/// on cells 1.5 times as large, with a work of adhesion for fronts on the floor that is 7 % smaller and 7 % larger. This is the uncertainty of the work of
 /// adhesion at which fronts move; close to a barrier between rings of holes it determines whether one ring more is in contact. The error is
 /// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -145,7 +147,8 @@ impl FloorResolution {
     /// Whether results are correct in order of magnitude only.
     #[must_use]
     pub fn is_coarse(self) -> bool {
-        self.cells_across_ring < Self::ENOUGH
+        self.cells_across_ring
+            .is_some_and(|cells| cells < Self::ENOUGH)
     }
 }
 
@@ -312,9 +315,7 @@ pub struct Cycle {
     pub critical: Option<CriticalState>,
     /// The contact at the end of loading.
     pub turn: ContactState,
-    /// Whether loading ended at the floor, before the planned end.
-    pub stopped_by_floor: bool,
-    /// Resolution of an adhesive floor; `None` if the floor is not adhesive or not touched.
+    /// Resolution of the floor; `None` if the floor is not touched.
     pub floor: Option<FloorResolution>,
     /// The state of largest tension during unloading; `None` without unloading or without tension.
     pub pull_off: Option<PullOff>,
@@ -339,11 +340,13 @@ impl Cycle {
     /// The jump into contact with an adhesive floor: the load steps before and after it, at the same indentation.
     #[must_use]
     pub fn floor_jump(&self) -> Option<[&CycleLoadStep; 2]> {
-        let after = self.stations.iter().position(|s| s.floor.is_some())?;
+        let sticks = self.system.adhesion().floor;
+        let on_floor = |station: &CycleLoadStep| sticks && station.floor.is_some();
+        let after = self.stations.iter().position(on_floor)?;
         Some([&self.stations[after.checked_sub(1)?], &self.stations[after]])
     }
 
-    /// The last load step with contact with an adhesive floor, and the following one.
+    /// The last load step with contact with the floor, and the following one.
     #[must_use]
     pub fn floor_lost(&self) -> Option<[&CycleLoadStep; 2]> {
         let last = self.stations.iter().rposition(|s| s.floor.is_some())?;
@@ -367,7 +370,7 @@ impl Cycle {
         let errors = &self.errors;
         let of = |there: bool, error: CycleError| if there { error.numerical() } else { 0.0 };
         let critical = self.critical.is_some();
-        // The results for an adhesive floor have separate errors.
+        // The results for the floor have separate errors.
         let turn = self.turn.unresolved().filter(|_| self.turn.floor.is_none());
         let numbers = [
             (
@@ -388,7 +391,7 @@ impl Cycle {
                 of(self.separation.is_some(), errors.loop_area),
             ),
         ];
-        let lost = self.floor_lost().is_some();
+        let (lost, jumped) = (self.floor_lost().is_some(), self.floor_jump().is_some());
         // If the floor is partly in tension and partly in compression, its force is a small difference of large forces; its error is
         // relative to the total force.
         let share = self.turn.floor.as_ref().map_or(1.0, |it| it.share.abs());
@@ -399,7 +402,10 @@ impl Cycle {
                     "force on the floor at the end of loading",
                     share.min(1.0) * it.turn_share,
                 ),
-                ("force after the jump onto the floor", it.jump_force),
+                (
+                    "force after the jump onto the floor",
+                    if jumped { it.jump_force } else { 0.0 },
+                ),
                 (
                     "indentation at which the floor detaches",
                     if lost { it.lost_indentation } else { 0.0 },
@@ -432,6 +438,7 @@ impl Cycle {
             // The fronts on adhesive tops do not depend on the accuracy setting.
             _ if self.floor.is_none() => Remedy::HigherLoad,
             Accuracy::Default => Remedy::AccurateSetting,
+            Accuracy::Accurate if !self.system.adhesion().floor => Remedy::HigherLoad,
             Accuracy::Accurate => Remedy::CollapsedFloor,
         }
     }

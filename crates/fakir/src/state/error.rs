@@ -148,18 +148,6 @@ pub enum SolveError {
          work of adhesion above 0, or compute the loading only"
     )]
     NoAdhesion,
-    /// A load past the transition with adhesive tops.
-    #[error(
-        "with adhesion the loading ends at the critical state, at an indentation of \
-         {indentation:.4e} m and a force of {force:.4e} N: floor contact without adhesion is not \
-         supported with adhesive tops; lower the load, or ignore the floor"
-    )]
-    PastTransition {
-        /// Critical indentation, m.
-        indentation: f64,
-        /// Critical force, N.
-        force: f64,
-    },
     /// The derivatives of this state are not available.
     #[error("the gradient is not available: {why}")]
     NoGradient {

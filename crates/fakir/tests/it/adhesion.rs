@@ -8,8 +8,8 @@ use fakir::problem::{
     System, UnloadingPoint,
 };
 use fakir::state::{
-    CancelToken, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run, SolveError,
-    Stage, Termination, Warning,
+    CancelToken, ContactState, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run,
+    SolveError, Stage, Termination, Warning,
 };
 use fakir::theory::adhesion::pull_off_under_lens;
 use std::collections::BTreeMap;
@@ -188,13 +188,13 @@ fn an_adhesive_floor_detaches_later_than_it_attached() {
         ..CyclePlan::default()
     };
     let cycle = fakir::cycle(&system, plan, Method::default(), &Run::default()).unwrap();
-    assert!(cycle.converged() && !cycle.stopped_by_floor);
+    assert!(cycle.converged());
     let [before, after] = cycle.floor_jump().unwrap();
     assert!((before.force / 3.7746e-4 - 1.0).abs() < 0.002, "{before:?}");
     // At a barrier between rings of holes: for a work 10 % smaller, the same program obtains 24 holes and 0.333 mN.
     assert!((3.05e-4..3.37e-4).contains(&after.force), "{after:?}");
     let jumped = after.floor.unwrap();
-    assert!((24..=36).contains(&jumped.holes), "{jumped:?}");
+    assert!((24..=36).contains(&jumped.holes.unwrap()), "{jumped:?}");
     assert!(jumped.force < 0.0 && (jumped.area / 1.374e-8 - 1.0).abs() < 0.25);
     // The floor detaches between these two load steps.
     let [last, after] = cycle.floor_lost().unwrap();
@@ -324,11 +324,7 @@ fn states_on_loading_are_those_of_the_cycle() {
     assert!((resting.indentation - cycle.zero_load_indentation.unwrap()).abs() < 1e-12);
     // Above the tops there is no contact.
     assert_eq!(press(Load::Indentation(0.0)).unwrap().pillars_in_contact, 0);
-    // The path ends at the transition, unless the floor is ignored.
     let past = Load::Indentation(1.1 * critical.contact.indentation);
-    let refused = press(past).unwrap_err();
-    assert!(matches!(refused, SolveError::PastTransition { .. }));
-    assert!(refused.to_string().contains("ignore the floor"));
     let ignored = system.with_floor(FloorModel::Ignored);
     let beyond = fakir::press(&ignored, past, Method::default(), &run).unwrap();
     assert!(beyond.smallest_floor_gap < 0.0);
@@ -387,10 +383,12 @@ fn cycles_have_the_given_unloading_point() {
     assert!(half.critical.is_none() && half.separation.is_none() && half.pull_off.is_none());
     let forced = turned(UnloadingPoint::Force(1e-4));
     assert!((forced.turn.force / 1e-4 - 1.0).abs() < 1e-9);
-    // The floor ends the loading.
-    let stopped = turned(UnloadingPoint::Indentation(2.0 * indentation));
-    assert!(stopped.stopped_by_floor && !critical.stopped_by_floor);
-    assert_eq!(stopped.turn.force.to_bits(), critical.turn.force.to_bits());
+    // Loading continues past the critical state.
+    let beyond = turned(UnloadingPoint::Indentation(1.1 * indentation));
+    let state = beyond.critical.as_ref().unwrap();
+    assert_eq!(state.contact.force.to_bits(), critical.turn.force.to_bits());
+    assert!((beyond.turn.indentation / indentation - 1.1).abs() < 1e-12);
+    assert!(beyond.turn.floor.is_some() && critical.turn.floor.is_none());
     // If the floor is reached first, there is no adhesion.
     let lattice = paper_lattice(0.0005, 0.866);
     let wide = paper_system(lattice, INTERMEDIATE, PillarCompliance::Column);
@@ -677,7 +675,8 @@ fn the_same_lattice_in_other_words_pulls_alike() {
         ..PlaneLattice::new(LatticeForm::Oblique {
             pitch,
             pitch_y: pitch,
-            angle: std::f64::consts::FRAC_PI_3,
+            // Not recognised as hexagonal, so that the floor has other cells.
+            angle: std::f64::consts::FRAC_PI_3 * (1.0 + 1e-9),
         })
     };
     let pillars = hexagonal.pillars_within(8.0 * pitch).into_iter();
@@ -1077,4 +1076,158 @@ fn adhesion_of_different_tops_is_not_supported() {
     };
     let message = refused(&adhesive_on(scattered, PillarCompliance::Column, 0.05));
     assert!(message.contains("columns"), "{message}");
+}
+
+/// The contact of adhesive tops with the floor between them at an indentation past the transition.
+fn past_the_transition(system: &System) -> ContactState {
+    let past = Load::Indentation(6e-6);
+    let state = fakir::press(system, past, Method::default(), &Run::default()).unwrap();
+    assert!(state.converged());
+    state
+}
+
+/// With hardly any work of adhesion, tops and floor carry what they carry without adhesion.
+#[test]
+fn a_floor_that_does_not_stick_carries_load_beside_adhesive_tops() {
+    let [none, tiny] = [0.0, 1e-9].map(|work| past_the_transition(&adhesive(0.03, 0.0, work)));
+    let allowed = none.error.force + tiny.error.force;
+    let difference = tiny.force / none.force - 1.0;
+    println!("force {difference:.1e}, allowed {allowed:.1e}");
+    assert!(difference.abs() < allowed && allowed < 0.01);
+    let [none, tiny] = [none, tiny].map(|state| state.floor.unwrap());
+    let allowed = none.error.share + tiny.error.share;
+    let difference = tiny.share / none.share - 1.0;
+    println!("share {difference:.1e}, allowed {allowed:.1e}");
+    assert!(difference.abs() < allowed && allowed < 0.2, "{difference}");
+    let allowed = none.error.area + tiny.error.area;
+    let difference = tiny.area / none.area - 1.0;
+    println!("area {difference:.1e}, allowed {allowed:.1e}");
+    assert!(difference.abs() < allowed && allowed < 0.5, "{difference}");
+}
+
+/// The floor stores no energy of adhesion: the hysteresis is dissipated by the tops, and pull-off, which comes after the floor is lost, is
+/// that of a loading without the floor.
+#[test]
+fn a_cycle_past_the_transition_loses_the_floor_again() {
+    let system = adhesive(0.03, 0.0, 0.01);
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(6e-6),
+        ..CyclePlan::default()
+    };
+    let on_floor = cycle(&system, plan);
+    assert!(on_floor.floor_jump().is_none());
+    let [last, after] = on_floor.floor_lost().unwrap();
+    let critical = on_floor.critical.as_ref().unwrap().contact.indentation;
+    assert!(last.indentation > after.indentation && after.indentation < critical);
+    assert!(last.floor.unwrap().force >= 0.0);
+    let floor = on_floor.turn.floor.as_ref().unwrap();
+    assert!((0.1..0.2).contains(&floor.share), "{}", floor.share);
+    assert!(on_floor.certificate().unwrap() < 1e-3);
+    let ignored = cycle(&system.with_floor(FloorModel::Ignored), plan);
+    // All tops within the floor contact are attached in both.
+    assert!((pull_off(&on_floor) / pull_off(&ignored) - 1.0).abs() < 1e-3);
+    assert!(on_floor.turn.force > ignored.turn.force);
+}
+
+/// The same pillars as a lattice and as a list, on different grids of the floor.
+#[test]
+fn the_floor_between_listed_adhesive_tops_is_that_of_their_lattice() {
+    let lattice = PlaneLattice {
+        columns: Some(7),
+        ..PlaneLattice::new(LatticeForm::Square { pitch: 32e-6 })
+    };
+    let paper = paper_system(
+        paper_lattice(0.03, 0.0),
+        INTERMEDIATE,
+        PillarCompliance::None,
+    );
+    let on_lattice = paper.with_arrangement(lattice).unwrap();
+    let pillars = on_lattice.pillars_within(1.0).into_iter();
+    let pillars = pillars.map(|pillar| ListedPillar {
+        centre: pillar.centre,
+        height: pillar.height,
+        diameter: pillar.diameter,
+    });
+    let list = PillarList::new(pillars.collect()).unwrap();
+    let states = [
+        on_lattice.clone(),
+        on_lattice.with_arrangement(list).unwrap(),
+    ]
+    .map(|system| past_the_transition(&system.with_adhesion(Adhesion::new(0.01)).unwrap()));
+    let [lattice, list] = &states;
+    let difference = lattice.force / list.force - 1.0;
+    let allowed = lattice.error.force + list.error.force;
+    println!("force {difference:.1e}, allowed {allowed:.1e}");
+    assert!(difference.abs() < allowed && allowed < 0.01);
+    let shares = [lattice, list].map(|state| state.floor.as_ref().unwrap());
+    let difference = shares[0].share / shares[1].share - 1.0;
+    let allowed = shares[0].error.share + shares[1].error.share;
+    println!("share {difference:.1e}, allowed {allowed:.1e}");
+    assert!(difference.abs() < allowed && allowed < 0.2);
+}
+
+/// Jump onto an adhesive floor and its detachment for a system at 10 mJ/m^2 and a surface fraction of 0.03.
+fn jump_and_loss(system: &System) -> ([f64; 2], [f64; 2]) {
+    let system = system
+        .with_adhesion(Adhesion::new(0.01).with_floor())
+        .unwrap();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(4.158e-6),
+        ..CyclePlan::default()
+    };
+    let cycle = cycle(&system, plan);
+    let errors = cycle.floor.unwrap().errors;
+    let [_, after] = cycle.floor_jump().unwrap();
+    let [last, _] = cycle.floor_lost().unwrap();
+    assert!(cycle.certificate().unwrap() < 1e-3);
+    (
+        [after.force, errors.jump_force],
+        [last.indentation, errors.lost_indentation],
+    )
+}
+
+#[test]
+#[ignore = "slow: cycles with an adhesive floor on an oblique lattice, rotated, and on a thick film, compared with the hexagonal lattice"]
+fn an_adhesive_floor_is_that_of_any_arrangement_and_of_a_thick_film() {
+    let lattice = paper_lattice(0.03, 0.0);
+    let pitch = lattice.pitch;
+    let oblique = PlaneLattice::new(LatticeForm::Oblique {
+        pitch,
+        pitch_y: pitch,
+        angle: std::f64::consts::FRAC_PI_3,
+    });
+    let rotated = PlaneLattice {
+        rotation: 0.3,
+        ..PlaneLattice::new(LatticeForm::Hexagonal { pitch })
+    };
+    let hexagonal = paper_system(lattice, INTERMEDIATE, PillarCompliance::Column);
+    let on = |lattice: PlaneLattice| hexagonal.with_arrangement(lattice).unwrap();
+    let film = Layer {
+        thickness: 1.0,
+        base: fakir::problem::Base::Rigid,
+    };
+    let expected = jump_and_loss(&hexagonal);
+    let others = [
+        ("rotated", on(rotated), true),
+        ("oblique", on(oblique), false),
+        // The lens ends on a barrier between rings of hollow sites.
+        (
+            "film",
+            hexagonal.with_layers(Some(film), None).unwrap(),
+            false,
+        ),
+    ];
+    for (name, system, same_cells) in others {
+        let found = jump_and_loss(&system);
+        for (found, expected) in [(found.0, expected.0), (found.1, expected.1)] {
+            let difference = found[0] / expected[0] - 1.0;
+            let allowed = if same_cells {
+                1e-3
+            } else {
+                found[1] + expected[1]
+            };
+            println!("{name}: {difference:.1e}, allowed {allowed:.1e}");
+            assert!(difference.abs() < allowed, "{name}: {found:?} {expected:?}");
+        }
+    }
 }

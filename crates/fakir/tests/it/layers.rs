@@ -11,7 +11,7 @@ use fakir::problem::{
     Pillar, PillarCompliance, PillarList, PillarPattern, PunchForm, Quantity, ShapedLens,
     SurfaceSystem, System,
 };
-use fakir::state::{ContactState, Gradient, Run, SolveError, Warning};
+use fakir::state::{ContactState, Gradient, Run, Warning};
 use fakir::theory::layer::{LayerResponse, Layers, asperity_reduction};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -628,13 +628,6 @@ fn what_is_not_made_for_layers_is_refused() {
     let ignored = system.with_floor(FloorModel::Ignored);
     let state = fakir::press(&ignored, Load::Indentation(20e-6), Method::default(), &run).unwrap();
     assert!(state.smallest_floor_gap < 0.0);
-    let adhesive_floor = fakir::problem::Adhesion {
-        floor: true,
-        ..fakir::problem::Adhesion::new(50e-3)
-    };
-    let sticky = system.with_adhesion(adhesive_floor).unwrap();
-    let error = fakir::press(&sticky, Load::FloorContact, Method::default(), &run).unwrap_err();
-    assert!(matches!(error, SolveError::Unsupported(_)), "{error}");
     for thickness in [0.0, -1.0, f64::NAN, 2.1e-6] {
         assert!(
             system

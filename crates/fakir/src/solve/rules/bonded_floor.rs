@@ -1,4 +1,4 @@
-//! The adhesive floor: its cells and the fronts on them.
+//! The floor in contact with adhesive tops beside it: its cells and the fronts on them.
 
 use super::floor::FloorCells;
 use super::floor_fronts::{FloorFronts, FloorMove};
@@ -8,7 +8,7 @@ use crate::halfspace::floor::coupling::FloorKernels;
 /// Largest number of rounds in which cells are removed again after an advance.
 pub(crate) const TAKE_BACKS: usize = 12;
 
-/// The adhesive floor in contact.
+/// The floor in contact.
 pub(crate) struct BondedFloor<'a> {
     pub(crate) cells: FloorCells<'a>,
     pub(crate) fronts: FloorFronts,
@@ -25,8 +25,8 @@ pub(crate) struct FloorStation {
     pub(crate) area: f64,
     /// Distance of the farthest cell in contact from the lens axis.
     pub(crate) radius: f64,
-    /// Number of centres between three pillars of a hexagonal lattice that are in contact.
-    pub(crate) holes: usize,
+    /// Number of centres between three pillars of a hexagonal lattice that are in contact; `None` for other arrangements.
+    pub(crate) holes: Option<usize>,
 }
 
 impl BondedFloor<'_> {

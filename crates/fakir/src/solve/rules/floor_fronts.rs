@@ -107,7 +107,8 @@ pub(crate) enum FloorMove {
 
 /// Fronts on the floor.
 pub(crate) struct FloorFronts {
-    works: Works,
+    /// `None` for a floor without adhesion.
+    works: Option<Works>,
     /// Grid with a margin: row length, position of every cell, and cell at every position.
     stride: usize,
     places: Vec<u32>,
@@ -133,6 +134,8 @@ pub(crate) struct FloorFronts {
     before: Vec<f32>,
     /// Gap of every cell out of contact.
     gaps: Vec<f64>,
+    /// Pressure on every cell.
+    loads: Vec<f64>,
     /// Cells that must not attach again.
     banned: Vec<bool>,
     /// Cells that are mirror images of each other and move together, regardless of rounding.
@@ -254,7 +257,7 @@ const LEAST_CHANGE: f32 = 1e-4;
 
 impl FloorFronts {
     /// Fronts without any cell in contact.
-    pub(crate) fn new(grid: &FloorGrid, works: Works) -> Self {
+    pub(crate) fn new(grid: &FloorGrid, works: Option<Works>) -> Self {
         let shape = grid.cells.grid();
         let stride = shape.columns() + 2 * REACH;
         let size = stride * (shape.rows() + 2 * REACH);
@@ -309,6 +312,7 @@ impl FloorFronts {
             stride,
             rims: grid.cells.centres().map(rim).collect(),
             gaps: vec![0.0; places.len()],
+            loads: vec![0.0; places.len()],
             banned: vec![false; places.len()],
             places,
             cells,
@@ -406,11 +410,15 @@ impl FloorFronts {
             inside, outside, ..
         } = self.bounds;
         let cells = bonded.iter().zip(loads.zip(pressures));
-        for (((bonded, (load, pressure)), place), gap) in
-            cells.zip(&self.places).zip(&mut self.gaps)
+        let kept = self.gaps.iter_mut().zip(&mut self.loads);
+        for (((bonded, (load, pressure)), place), (gap, kept)) in cells.zip(&self.places).zip(kept)
         {
             let smooth = self.smooth[*place as usize];
             *gap = -load;
+            *kept = pressure;
+            if self.works.is_none() {
+                continue;
+            }
             let datum = if *bonded {
                 if !(inside[0]..inside[1]).contains(&smooth) {
                     continue;
@@ -518,12 +526,57 @@ impl FloorFronts {
 
     /// Cells that attach or detach according to the data. Gaps of less than `-entered` count as contact.
     pub(crate) fn moves(&mut self, bonded: &[bool], which: FloorMove, entered: f64) -> Vec<usize> {
+        let mut moves = match self.works {
+            Some(works) => self.moves_of_fronts(bonded, which, entered, works),
+            None => self.moves_without_adhesion(bonded, which, entered),
+        };
+        if let Some(mirrors) = &self.mirrors {
+            let mut moved = vec![false; bonded.len()];
+            for cell in &moves {
+                moved[*cell] = true;
+            }
+            mirrors.mirror(&mut moved);
+            let images = moved.iter().enumerate().filter(|(_, moved)| **moved);
+            moves = images.map(|(cell, _)| cell).collect();
+        }
+        if which == FloorMove::TakeBack {
+            for cell in &moves {
+                self.banned[*cell] = true;
+            }
+        }
+        moves
+    }
+
+    /// Cells that the lens penetrates, or cells in tension.
+    fn moves_without_adhesion(
+        &self,
+        bonded: &[bool],
+        which: FloorMove,
+        entered: f64,
+    ) -> Vec<usize> {
+        let moves = |cell: &usize| match which {
+            FloorMove::Advance => {
+                !bonded[*cell] && !self.banned[*cell] && self.gaps[*cell] < -entered
+            }
+            FloorMove::Recede | FloorMove::TakeBack => bonded[*cell] && self.loads[*cell] < 0.0,
+        };
+        (0..bonded.len()).filter(moves).collect()
+    }
+
+    /// Cells that attach or detach at fronts.
+    fn moves_of_fronts(
+        &self,
+        bonded: &[bool],
+        which: FloorMove,
+        entered: f64,
+        works: Works,
+    ) -> Vec<usize> {
         let mut moves = Vec::new();
         let [low, high] = self.bounds.on_front;
         let limit = match which {
-            FloorMove::Advance => self.works.advancing,
-            FloorMove::Recede => self.works.receding,
-            FloorMove::TakeBack => TAKE_BACK * self.works.receding,
+            FloorMove::Advance => works.advancing,
+            FloorMove::Recede => works.receding,
+            FloorMove::TakeBack => TAKE_BACK * works.receding,
         };
         let is_bonded = |cell: &u32| *cell != NONE && bonded[*cell as usize];
         for (cell, bonded) in bonded.iter().enumerate() {
@@ -559,20 +612,6 @@ impl FloorFronts {
                 && k.abs() * k * 0.5 > limit * factor
             {
                 moves.push(cell);
-            }
-        }
-        if let Some(mirrors) = &self.mirrors {
-            let mut moved = vec![false; bonded.len()];
-            for cell in &moves {
-                moved[*cell] = true;
-            }
-            mirrors.mirror(&mut moved);
-            let images = moved.iter().enumerate().filter(|(_, moved)| **moved);
-            moves = images.map(|(cell, _)| cell).collect();
-        }
-        if which == FloorMove::TakeBack {
-            for cell in &moves {
-                self.banned[*cell] = true;
             }
         }
         moves
