@@ -12,6 +12,7 @@ mod passed;
 mod python;
 mod release;
 mod shell;
+mod site;
 mod structure;
 mod tests;
 mod times;
@@ -66,7 +67,7 @@ const fn second(
 }
 
 /// All checks in the order in which they run: each builds upon what those before it have built.
-const CHECKS: [Check; 14] = [
+const CHECKS: [Check; 15] = [
     first("formatting", "cargo fmt", |cargo| {
         run_cargo(cargo, "fmt --all -- --check")
     }),
@@ -112,6 +113,7 @@ const CHECKS: [Check; 14] = [
     }),
     second("book", "every block of the manual", book::check),
     second("browser", "the whole page in a browser", browser::slow),
+    second("site", "the static site in a browser", site::check),
     second(
         "package",
         "what is published, installed and used",
@@ -129,6 +131,9 @@ fn main() -> ExitCode {
         }
         ["book"] => run_one(&cargo(), "book", book::check),
         ["book", "--update"] => run_one(&cargo(), "book", book::update),
+        ["site", ref options @ ..] => run_one(&cargo(), "site", |cargo| {
+            site::build(cargo, &site::Options::read(options)?)
+        }),
         ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|check| check.tier == Tier::First),
         ["test", "all"] => run_checks(|_| true),
@@ -152,6 +157,8 @@ fn main() -> ExitCode {
                  cargo xtask test times             every test with its processor time, slowest first\n       \
                  cargo xtask book [--update]        the manual, in target/book; --update rewrites the pages to\n       \
                                                     what their commands print\n       \
+                 cargo xtask site [--version V] [--into FOLDER]\n       \
+                                                    manual, documentation and page as one static site, in target/site\n       \
                  cargo xtask package                packages, builds, installs and tries what is published\n       \
                  cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \

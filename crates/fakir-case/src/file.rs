@@ -9,10 +9,10 @@ use crate::entries::{
 use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table, present};
-use crate::parts::{ArrangementName, OfPillarPattern, Parts, PillarPatternParts, TRUE_OR_FALSE};
+use crate::parts::{Parts, PillarPatternParts, TRUE_OR_FALSE};
 use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
 use crate::profile::read_profile;
-use crate::table::{Field, Part, Presence, Range};
+use crate::table::{Field, IMPLIED, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
     Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensForm, LensProfile, LensShape,
@@ -483,13 +483,24 @@ impl CaseFile {
         )
     }
 
+    /// Refuses a receding work of adhesion alone.
+    pub(crate) fn check_receding(&self) -> Result<(), CaseError> {
+        match self.without_needed(Key::RecedingWorkOfAdhesion) {
+            Some(needed) => Err(self.missing(needed)),
+            None => Ok(()),
+        }
+    }
+
+    /// The key that this one needs, if this one is given without it.
+    fn without_needed(&self, key: Key) -> Option<Key> {
+        let needed = key.needs().filter(|_| self.entry(key).is_some());
+        needed.filter(|needed| self.entry(*needed).is_none())
+    }
+
     /// Refuses a receding work of adhesion alone, and adhesion with a method that does not support
     /// it.
     fn check_adhesion(&self, adhesion: Adhesion, method: Method) -> Result<(), CaseError> {
-        let work = Key::WorkOfAdhesion;
-        if adhesion.work_receding.is_some() && self.entry(work).is_none() {
-            return Err(self.missing(work));
-        }
+        self.check_receding()?;
         if adhesion.is_none() {
             return Ok(());
         }
@@ -524,17 +535,16 @@ impl CaseFile {
     /// Refuses an invalid thickness, and a base of a half-space.
     pub(crate) fn check_bases(&self, parts: &Parts) -> Result<(), CaseError> {
         let bodies = [
-            (
-                &parts.substrate_layer,
-                Key::SubstrateThickness,
-                Key::SubstrateBase,
-            ),
-            (&parts.lens_layer, Key::LensThickness, Key::LensBase),
+            (&parts.substrate_layer, Key::SubstrateThickness),
+            (&parts.lens_layer, Key::LensThickness),
         ];
-        for (layer, thickness, base) in bodies {
+        for (layer, thickness) in bodies {
             if self.entry(thickness).is_some() {
                 self.check_range(thickness, layer.thickness)?;
-            } else if self.entry(base).is_some() {
+            }
+        }
+        for base in [Key::SubstrateBase, Key::LensBase] {
+            if let Some(thickness) = self.without_needed(base) {
                 return Err(self
                     .problem(
                         base,
@@ -561,13 +571,13 @@ impl CaseFile {
                 self.read_value(key, entry, &mut parts)?;
             }
         }
-        // A table of heights determines the shape of the lens.
-        if self.entry(Key::LensProfile).is_some() && self.entry(Key::LensShape).is_none() {
-            parts.shape.form = LensForm::Profile;
-        }
-        // A table of pillars determines the arrangement.
-        if self.entry(Key::Pillars).is_some() && self.entry(Key::Lattice).is_none() {
-            parts.pattern.name = OfPillarPattern(ArrangementName::Listed);
+        for (given, choice, word) in IMPLIED {
+            let Field::Word(place) = choice.row().field else {
+                continue;
+            };
+            if self.entry(given).is_some() && self.entry(choice).is_none() {
+                place(&mut parts).choose(word);
+            }
         }
         for key in keys().filter(|key| self.entry(*key).is_some()) {
             if let Some((choice, word)) = key.idle_with(&mut parts) {

@@ -69,9 +69,7 @@ impl CaseFile {
             other => self.problem(Key::LensShape, other.to_string()),
         })?;
         let adhesion = self.adhesion(&parts);
-        if adhesion.work_receding.is_some() && self.entry(Key::WorkOfAdhesion).is_none() {
-            return Err(self.missing(Key::WorkOfAdhesion));
-        }
+        self.check_receding()?;
         self.check_bases(&parts)?;
         let system = system
             .with_adhesion(adhesion)

@@ -338,6 +338,11 @@ impl Key {
             })
     }
 
+    /// The key without which it is refused.
+    pub(crate) fn needs(self) -> Option<Self> {
+        self.row().needs
+    }
+
     /// The keys on which it depends, with the words of each with which it is accepted.
     pub(crate) fn choices(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
         let row = self.row();

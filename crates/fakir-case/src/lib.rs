@@ -39,6 +39,7 @@
 //! * Exactly one of `pattern.surface_fraction` and `pattern.pitch` is given.
 //! * [`reference`](reference()) lists all keys with their accepted values and defaults. `fakir init
 //!   --keys` prints it.
+//! * [`schema`](schema()) is a JSON Schema of case and study files, for editors. `fakir init --schema` prints it.
 //! * An unknown key is an error.
 //!
 //! Instead of `[pattern]` and `[method]` a case may have a general `[surface]`, solved with boundary
@@ -108,6 +109,7 @@ mod parts;
 pub mod pillars;
 mod profile;
 mod reference;
+mod schema;
 mod solve_error;
 mod spreadsheet;
 pub mod study;
@@ -117,6 +119,7 @@ mod table;
 pub mod table_text;
 mod tiff_packing;
 pub mod unit;
+mod value_schema;
 
 pub use any_case::AnyCase;
 pub use asperities::AsperityCase;
@@ -126,6 +129,7 @@ pub use file::CaseFile;
 pub use flat::FlatCase;
 pub use key::{Key, Kind, Setting};
 pub use reference::reference;
+pub use schema::schema;
 pub use solve_error::with_keys;
 pub use study::{Study, StudyFile};
 pub use support::{SurfaceKind, support};

@@ -121,7 +121,7 @@ keys! {
                 .unwritten(|p| p.lens_layer.thickness.is_nan());
         LensBase = "lens.base" is
             word("base to which its back is bonded: rigid or elastic; or frictionless: a rigid base on which it can slide", |p| &mut p.lens_layer.base)
-                .label("base of the lens").optional()
+                .label("base of the lens").optional().needs(Key::LensThickness)
                 .unwritten(|p| p.lens_layer.base == BaseForm::Rigid);
         LensBaseYoungModulus = "lens.base_young_modulus" is
             pressure("Young's modulus of an elastic base", |p| &mut p.lens_layer.material.young_modulus)
@@ -144,7 +144,7 @@ keys! {
                 .unwritten(|p| p.substrate_layer.thickness.is_nan());
         SubstrateBase = "substrate.base" is
             word("base to which its back is bonded: rigid or elastic; or frictionless: a rigid base on which it can slide", |p| &mut p.substrate_layer.base)
-                .label("base of the substrate").optional()
+                .label("base of the substrate").optional().needs(Key::SubstrateThickness)
                 .unwritten(|p| p.substrate_layer.base == BaseForm::Rigid);
         SubstrateBaseYoungModulus = "substrate.base_young_modulus" is
             pressure("Young's modulus of an elastic base", |p| &mut p.substrate_layer.material.young_modulus)
@@ -243,7 +243,7 @@ keys! {
         RecedingWorkOfAdhesion = "adhesion.work_receding" is
             energy_per_area("work of adhesion on detachment, if larger", |p| &mut p.pattern.adhesion.work_receding)
                 .label("work of adhesion on unloading")
-                .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`")
+                .range(Range::AtLeast(Key::WorkOfAdhesion)).otherwise("as `work`").needs(Key::WorkOfAdhesion)
                 .of(Quantity::RecedingWorkOfAdhesion)
                 .unwritten(|p| !p.pattern.adhesion.recedes);
     }
@@ -396,6 +396,13 @@ keys! {
     }
 }
 
+/// Keys whose presence sets another key that is not given: a table of heights is the shape of a lens, and a table of pillars their
+/// arrangement. Key, key that it sets, and the word.
+pub(crate) const IMPLIED: [(Key, Key, &str); 2] = [
+    (Key::LensProfile, Key::LensShape, "profile"),
+    (Key::Pillars, Key::Lattice, "listed"),
+];
+
 /// A row of the key table. The functions below create a row, and its methods add to it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Row {
@@ -417,6 +424,8 @@ pub(crate) struct Row {
     pub(crate) goes_with: Option<(Key, &'static [&'static str])>,
     /// And if this one has one of these.
     pub(crate) goes_also_with: Option<(Key, &'static [&'static str])>,
+    /// The key without which it is refused.
+    pub(crate) needs: Option<Key>,
     /// Whether a case of pillars with flat tops is written without it.
     pub(crate) unwritten: fn(&Parts) -> bool,
     /// Name of the quantity in the solver, if the solver checks its value.
@@ -569,6 +578,7 @@ impl Row {
             presence: Presence::Required,
             goes_with: None,
             goes_also_with: None,
+            needs: None,
             unwritten: |_| false,
             quantity: None,
             pattern_quantity: None,
@@ -663,6 +673,12 @@ impl Row {
     /// It is accepted only if a further key has one of these words.
     const fn also_with(mut self, choice: Key, words: &'static [&'static str]) -> Self {
         self.goes_also_with = Some((choice, words));
+        self
+    }
+
+    /// It is refused without another key.
+    const fn needs(mut self, key: Key) -> Self {
+        self.needs = Some(key);
         self
     }
 

@@ -167,6 +167,13 @@ impl Dimension {
         UNITS.into_iter().filter(move |unit| unit.dimension == self)
     }
 
+    /// Symbols of all units that are read, in ASCII where there is a choice.
+    pub(crate) fn symbols(self) -> impl Iterator<Item = &'static str> {
+        let all = UNITS.into_iter().chain(FURTHER_UNITS);
+        let own = all.filter(move |unit| unit.dimension == self);
+        own.map(|unit| unit.symbol)
+    }
+
     /// Symbols of its units, for messages: `"m, mm, um or nm"`.
     #[must_use]
     pub fn unit_list(self) -> String {
@@ -298,6 +305,17 @@ impl Dimension {
         }
     }
 
+    /// Smallest and largest plausible number without a unit of a quantity with the given usual range, in SI units; ranges of keys, such as
+    /// positive moduli, are checked separately.
+    pub(crate) fn plausible(self, usual: [f64; 2]) -> [f64; 2] {
+        let greatest = GENEROUS * usual[1];
+        match self {
+            Self::Pressure => [usual[0], f64::INFINITY],
+            Self::Stiffness | Self::Fraction | Self::Number => [f64::NEG_INFINITY, f64::INFINITY],
+            Self::Length | Self::Force | Self::EnergyPerArea | Self::Angle => [-greatest, greatest],
+        }
+    }
+
     /// Refuses a number without a unit, written `text`, that is implausible in SI units for a quantity with the given usual range.
     ///
     /// A forgotten unit makes a modulus too small, because all common units are larger than a pascal, and every other quantity too large.
@@ -307,13 +325,9 @@ impl Dimension {
     /// [`Implausible`], with the probable meaning.
     pub fn check_bare(self, text: &str, value: f64, usual: [f64; 2]) -> Result<(), Implausible> {
         let generous = [usual[0] / GENEROUS, GENEROUS * usual[1]];
-        let is_plausible = match self {
-            Self::Pressure => value <= 0.0 || value >= usual[0],
-            Self::Stiffness | Self::Fraction | Self::Number => true,
-            Self::Length | Self::Force | Self::EnergyPerArea | Self::Angle => {
-                value.abs() <= generous[1]
-            }
-        };
+        let [least, greatest] = self.plausible(usual);
+        let is_valid_pressure = self != Self::Pressure || value > 0.0;
+        let is_plausible = !is_valid_pressure || (least..=greatest).contains(&value);
         let si = self.units().find(|unit| unit.is_si());
         let (false, true, Some(si)) = (is_plausible, value.is_finite(), si) else {
             return Ok(());

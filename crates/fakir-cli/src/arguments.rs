@@ -87,7 +87,9 @@ pub(crate) fn deprecated_keys(arguments: &[OsString]) -> Vec<String> {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Write a commented case file to start from
-    #[command(after_help = "Example: fakir init soft.toml")]
+    #[command(after_help = "Examples:
+  fakir init soft.toml
+  fakir init --schema > fakir.schema.json")]
     Init(Init),
     /// List the names, units and meanings of the numbers in results
     #[command(after_help = "Examples:
@@ -314,6 +316,9 @@ pub(crate) struct Init {
     /// Write no case; print a reference of all keys of case files as Markdown
     #[arg(long, conflicts_with_all = ["file", "force"])]
     pub(crate) keys: bool,
+    /// Write no case; print a JSON Schema of case and study files, for editors of TOML
+    #[arg(long, conflicts_with_all = ["file", "force", "keys"])]
+    pub(crate) schema: bool,
 }
 
 #[derive(Debug, Args)]

@@ -31,10 +31,12 @@ mod axis;
 mod file;
 mod posed;
 mod read;
+mod schema;
 
 pub use asked::{Asked, Combine, Question};
 pub use axis::{Axis, Coordinate, Variable};
 pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
+pub(crate) use schema::{axes_schema, study_schema};
 
 use crate::any_case::AnyCase;
 use crate::asperities::AsperityCase;

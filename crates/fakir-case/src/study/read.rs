@@ -184,7 +184,7 @@ struct Driven {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum LoadingModeName {
+pub(super) enum LoadingModeName {
     Displacement,
     Force,
     Machine,

@@ -1,14 +1,18 @@
-//! `fakir init`: a case file to start from, and the reference of all keys.
+//! `fakir init`: a case file to start from, the reference of all keys, and a JSON Schema of case and study files.
 
 use crate::arguments::Init;
 use crate::failure::{DONE, Failure, Status, report_line};
 use crate::standard::print;
-use fakir_case::{Case, reference};
+use fakir_case::{Case, reference, schema};
 use fakir_study::output::{OutputError, Replace, save_file};
 
 pub(crate) fn run(options: &Init) -> Result<Status, Failure> {
     if options.keys {
         print(&reference())?;
+        return Ok(DONE);
+    }
+    if options.schema {
+        print(&format!("{:#}\n", schema()))?;
         return Ok(DONE);
     }
     let text = Case::example().to_toml();
