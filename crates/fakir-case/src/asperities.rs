@@ -93,9 +93,10 @@ impl AsperityCase {
             _ => Key::LensRadius,
         });
         let of_interactions = Key::ALL.into_iter();
-        keys.extend(of_interactions.filter(|key| {
-            key.part() == Part::Interactions && !(key.row().unwritten)(&parts)
-        }));
+        keys.extend(
+            of_interactions
+                .filter(|key| key.part() == Part::Interactions && !(key.row().unwritten)(&parts)),
+        );
         let settings = keys.into_iter();
         let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
         let raised: Vec<f64> = field

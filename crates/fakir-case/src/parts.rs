@@ -4,9 +4,9 @@
 
 use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel,
-    HexagonalLattice, Interactions, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape, Material,
-    MeshLayout, Method, Pillar, PillarCompliance, PillarPattern, PlaneLattice, Point, PunchForm,
-    Scatter, ShapedLens, System,
+    HexagonalLattice, Interactions, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape,
+    Material, MeshLayout, Method, Pillar, PillarCompliance, PillarPattern, PlaneLattice, Point,
+    PunchForm, Scatter, ShapedLens, System,
 };
 
 /// Values of all keys. Required values are NaN until they are set; all others have their defaults.

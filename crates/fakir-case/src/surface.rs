@@ -161,7 +161,10 @@ impl CaseFile {
             system = system.with_floor(floor);
         } else if let Some(key) = self.given_on_floor() {
             return Err(self
-                .problem(key, "it is not known which part of this height map is the floor")
+                .problem(
+                    key,
+                    "it is not known which part of this height map is the floor",
+                )
                 .accepted(format!(
                     "give {}, the height at or below which it is, or leave this out",
                     Key::Floor

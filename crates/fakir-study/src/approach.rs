@@ -2,7 +2,8 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::record::{
-    AsperityAnswer, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head, surface_head,
+    AsperityAnswer, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head,
+    surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{Feature, Load, Question, Solver, SurfaceSystem, Unsupported};

@@ -109,10 +109,13 @@ impl Column {
                 Some("a standard error cannot be negative")
             }
             Self::ForceError | Self::ContactRadiusError | Self::LateralForceError
-                if value <= 0.0 => Some(
-                "a standard error must be greater than 0; leave the column out and the scatter \
+                if value <= 0.0 =>
+            {
+                Some(
+                    "a standard error must be greater than 0; leave the column out and the scatter \
                  is estimated",
-            ),
+                )
+            }
             Self::ContactRadius if value < 0.0 => Some("a contact radius cannot be negative"),
             _ => None,
         }

@@ -185,6 +185,10 @@ impl LateralForces {
             let (Some(load), Some(lateral)) = (load, value(Column::LateralForce)) else {
                 continue;
             };
+            if matches!(load, Load::Force(force) if force < 0.0) {
+                let problem = "the normal force of a row cannot be negative: give indentations, or leave the row out";
+                return Err(reader.fail(Some(*line), Some(Column::Force.name()), problem));
+            }
             let error = value(Column::LateralForceError);
             if has_errors && error.is_none() {
                 let problem = "no standard error here, but in other rows: give all of them or none";
@@ -354,16 +358,25 @@ pub fn fit_friction(
         ];
         both[..unknowns].to_vec()
     };
-    if used.iter().all(|row| areas(row, [0.0; 2]).iter().all(|area| *area == 0.0)) {
+    if used
+        .iter()
+        .all(|row| areas(row, [0.0; 2]).iter().all(|area| *area == 0.0))
+    {
         let name = data.name.clone();
         return Err(FrictionError::NoContact { name });
     }
     let given = used.iter().all(|row| row.measured.lateral.error.is_some());
-    let error_of = |row: &FittedLateral| row.measured.lateral.error.filter(|_| given).unwrap_or(1.0);
+    let error_of =
+        |row: &FittedLateral| row.measured.lateral.error.filter(|_| given).unwrap_or(1.0);
     let solve = |used: &[&mut FittedLateral], more: [f64; 2]| {
         let derivatives: Vec<Vec<f64>> = used
             .iter()
-            .map(|row| areas(row, more).iter().map(|area| area / error_of(row)).collect())
+            .map(|row| {
+                areas(row, more)
+                    .iter()
+                    .map(|area| area / error_of(row))
+                    .collect()
+            })
             .collect();
         let values: Vec<f64> = used
             .iter()
@@ -393,7 +406,11 @@ pub fn fit_friction(
     let freedom = used.len() - fitted;
     let computed = |row: &FittedLateral| -> f64 {
         let areas = areas(row, [0.0; 2]);
-        areas.iter().zip(&found).map(|(area, stress)| area * stress).sum()
+        areas
+            .iter()
+            .zip(&found)
+            .map(|(area, stress)| area * stress)
+            .sum()
     };
     let squares: f64 = used
         .iter()
@@ -404,7 +421,13 @@ pub fn fit_friction(
     for row in &mut used {
         let value = computed(row);
         row.computed = Some(value);
-        row.error = Some(row.measured.lateral.error.filter(|_| given).unwrap_or(scale));
+        row.error = Some(
+            row.measured
+                .lateral
+                .error
+                .filter(|_| given)
+                .unwrap_or(scale),
+        );
     }
     let covariance: Vec<Vec<f64>> = linear
         .covariance()
@@ -434,8 +457,7 @@ pub fn fit_friction(
             key,
             value,
             standard_error,
-            interval: standard_error
-                .map(|error| [value - width * error, value + width * error]),
+            interval: standard_error.map(|error| [value - width * error, value + width * error]),
             area_error: if is_known { area_error.sum() } else { 0.0 },
         }
     };
@@ -494,11 +516,7 @@ struct Contacts<'a> {
 }
 
 impl<'a> Contacts<'a> {
-    fn new(
-        file: &CaseFile,
-        has_floor: bool,
-        running: &'a Running<'a>,
-    ) -> Result<Self, CaseError> {
+    fn new(file: &CaseFile, has_floor: bool, running: &'a Running<'a>) -> Result<Self, CaseError> {
         // The areas are part of answers with a shear stress.
         let mut with_stress = file.clone();
         if file.given(Key::ShearStressTops)?.is_none() {
@@ -622,9 +640,14 @@ fn statements(
 ) -> Vec<String> {
     let floor = |row: &&&mut FittedLateral| row.contact.floor.is_some_and(|area| area.value > 0.0);
     let on_floor = used.iter().filter(floor).count();
-    let tops = used.iter().filter(|row| row.contact.tops.value > 0.0).count();
+    let tops = used
+        .iter()
+        .filter(|row| row.contact.tops.value > 0.0)
+        .count();
     let mut statements = Vec::new();
-    let unknown = stresses.iter().filter(|stress| stress.standard_error.is_none());
+    let unknown = stresses
+        .iter()
+        .filter(|stress| stress.standard_error.is_none());
     let unknown: Vec<Key> = unknown.map(|stress| stress.key).collect();
     match unknown[..] {
         [] => {}
@@ -667,7 +690,10 @@ impl FrictionFit {
     #[must_use]
     pub fn correlation(&self) -> Option<f64> {
         let [[a, b], [_, c]] = [
-            [*self.covariance.first()?.first()?, *self.covariance.first()?.get(1)?],
+            [
+                *self.covariance.first()?.first()?,
+                *self.covariance.first()?.get(1)?,
+            ],
             [0.0, *self.covariance.get(1)?.get(1)?],
         ];
         (a > 0.0 && c > 0.0).then(|| b / (a * c).sqrt())
@@ -690,14 +716,19 @@ impl FrictionFit {
                 numbers("force_N", &|row| Some(row.contact.force)),
                 numbers("indentation_m", &|row| Some(row.contact.indentation)),
                 numbers("tops_contact_area_m2", &|row| Some(row.contact.tops.value)),
-                numbers("floor_contact_area_m2", &|row| Some(row.contact.floor?.value)),
+                numbers("floor_contact_area_m2", &|row| {
+                    Some(row.contact.floor?.value)
+                }),
                 numbers("lateral_force_N", &|row| Some(row.measured.lateral.value)),
                 numbers("lateral_force_error_N", &|row| row.error),
                 numbers("computed_lateral_force_N", &|row| row.computed),
                 TableColumn {
                     name: "used".to_owned(),
                     values: Values::Flags(
-                        self.rows.iter().map(|row| Some(row.computed.is_some())).collect(),
+                        self.rows
+                            .iter()
+                            .map(|row| Some(row.computed.is_some()))
+                            .collect(),
                     ),
                 },
             ],

@@ -122,7 +122,9 @@ impl<'a> Recorded for LoadingState<FlatAnswer<'a>> {
             |it: &FlatContact| it.error.contact_radius,
         ));
         rows.extend(common_of_states());
-        let of_contact = |row: Named<FlatContact>| row.of_part(|it: &LoadingState<FlatAnswer<'a>>| it.answer.contact);
+        let of_contact = |row: Named<FlatContact>| {
+            row.of_part(|it: &LoadingState<FlatAnswer<'a>>| it.answer.contact)
+        };
         let mut rows: Vec<Named<Self>> = rows.into_iter().map(of_contact).collect();
         rows.extend(interactions::rows());
         rows

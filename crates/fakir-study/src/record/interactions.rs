@@ -19,7 +19,7 @@ pub(crate) trait Interacting {
 }
 
 /// The rows of all interactions.
-pub(super) fn rows<T: Interacting + 'static>() -> Vec<Named<T>> {
+pub(super) fn rows<T: Interacting>() -> Vec<Named<T>> {
     let number = |path, meaning, of: fn(&LateralForce, &ContactAreas) -> Option<f64>| {
         Named::number_if_any(path, meaning, move |it: &T| {
             let friction = it.interactions().friction?;
@@ -128,7 +128,11 @@ pub(crate) fn lines(record: &Record) -> Vec<Line> {
     }];
     lines.push(of_area("  area on tops", area, error("tops_contact_area")));
     if let Some(floor) = floor.filter(|area| *area > 0.0) {
-        lines.push(of_area("  area on floor", floor, error("floor_contact_area")));
+        lines.push(of_area(
+            "  area on floor",
+            floor,
+            error("floor_contact_area"),
+        ));
     }
     lines
 }

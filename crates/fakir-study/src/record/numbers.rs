@@ -102,7 +102,9 @@ impl Record {
             let mut values = records.iter().map(|record| &record.values[place]);
             !entries[place].if_given || values.any(|value| *value != Value::None)
         };
-        let shown: Vec<usize> = (0..entries.len()).filter(|place| is_there(*place)).collect();
+        let shown: Vec<usize> = (0..entries.len())
+            .filter(|place| is_there(*place))
+            .collect();
         let names = shown
             .iter()
             .flat_map(|place| entries[*place].columns())

@@ -129,10 +129,7 @@ impl FlatSystem {
     ///
     /// # Errors
     /// Shear stresses must be zero or positive, and finite.
-    pub fn with_interactions(
-        self,
-        interactions: Interactions,
-    ) -> Result<Self, InvalidQuantity> {
+    pub fn with_interactions(self, interactions: Interactions) -> Result<Self, InvalidQuantity> {
         Ok(Self {
             interactions: interactions.checked()?,
             ..self

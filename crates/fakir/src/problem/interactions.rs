@@ -142,7 +142,13 @@ impl Area {
     /// Its error relative to it; 0 for no area.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
-        let relative = |error: f64| if self.value > 0.0 { error / self.value } else { 0.0 };
+        let relative = |error: f64| {
+            if self.value > 0.0 {
+                error / self.value
+            } else {
+                0.0
+            }
+        };
         self.error.map(relative)
     }
 }
@@ -177,7 +183,10 @@ mod tests {
     #[test]
     fn an_unknown_floor_matters_only_with_a_shear_stress() {
         let unknown = FRICTION.lateral_force(&areas(None));
-        assert_eq!((unknown.floor, unknown.force, unknown.error), (None, None, None));
+        assert_eq!(
+            (unknown.floor, unknown.force, unknown.error),
+            (None, None, None)
+        );
         assert!(unknown.tops > 0.0);
         let tops_alone = Friction {
             shear_stress_floor: 0.0,

@@ -632,7 +632,10 @@ fn elements(
         let square = pillar.pillar.body.radius.powi(2);
         // On a top that the edge crosses, half a cell along at most a diameter.
         let cells = f64::from(pillar.status == PillarStatus::Partial) / cells_per_diameter;
-        [area + PI * pillar.covered * square, error + 2.0 * cells * square]
+        [
+            area + PI * pillar.covered * square,
+            error + 2.0 * cells * square,
+        ]
     });
     let unit = scene.length * scene.length;
     let state = ContactState {

@@ -49,8 +49,13 @@ impl ContactState {
             _ if is_inside && error == 0.0 => of_radius,
             _ => error,
         });
-        let lifted = self.pillars.iter().filter(|pillar| may_have_lifted_off(pillar));
-        let lifted: f64 = lifted.map(|pillar| LIFTED * (0.5 * pillar.diameter).powi(2)).sum();
+        let lifted = self
+            .pillars
+            .iter()
+            .filter(|pillar| may_have_lifted_off(pillar));
+        let lifted: f64 = lifted
+            .map(|pillar| LIFTED * (0.5 * pillar.diameter).powi(2))
+            .sum();
         area.error = area.error.map(|error| error + lifted);
         if !self.converged() {
             area.error = Some(area.value);
@@ -71,7 +76,9 @@ impl SurfaceContact {
     pub fn areas(&self) -> ContactAreas {
         // The error of the whole area is also that of a part of it.
         let whole = self.area_error.map(|error| error * self.contact_area);
-        let tops = self.shares.map_or(self.contact_area, |shares| shares.tops.area);
+        let tops = self
+            .shares
+            .map_or(self.contact_area, |shares| shares.tops.area);
         ContactAreas {
             tops: Area {
                 value: tops,

@@ -7,11 +7,11 @@ use crate::halfspace::disc::covered::{CoverFinder, CoveredPart, edge_error};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::vector::{LANES, Lanes};
-use crate::problem::{Area, Point};
 use crate::problem::column::Column;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar};
 use crate::problem::point::turned;
 use crate::problem::scaled::Scene;
+use crate::problem::{Area, Point};
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -459,9 +459,10 @@ impl Fields {
         for (k, disc) in self.discs.iter().enumerate() {
             let square = disc.radius * disc.radius;
             let [own, uncertain] = match (&disc.bonded, &disc.gap) {
-                (Some(BondedRegion::Before(front)), _) => {
-                    [square * front.area, square * FRONT_PLACE_ERROR * front.length()]
-                }
+                (Some(BondedRegion::Before(front)), _) => [
+                    square * front.area,
+                    square * FRONT_PLACE_ERROR * front.length(),
+                ],
                 (_, None) => [square * PI, 0.0],
                 (_, Some(_)) => {
                     let covered = self.covered.get_or_init(|| self.covered_parts());
@@ -473,7 +474,10 @@ impl Fields {
                                 None => edge_error(self.degree_of(disc)),
                             };
                             // A region cannot be smaller than nothing.
-                            [square * own, square * (place * length).min(own.max(SMALL_REGION))]
+                            [
+                                square * own,
+                                square * (place * length).min(own.max(SMALL_REGION)),
+                            ]
                         }
                         None => [0.0, square * SMALL_REGION],
                     }

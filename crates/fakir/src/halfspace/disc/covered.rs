@@ -376,7 +376,10 @@ impl Region {
         let end = |k: u32| {
             let (direction, angle) = stretch.direction(step * (f64::from(k) + 0.5), step);
             let [linear, square] = self.along(direction);
-            let (edge, rim) = (first_root(linear, square), rim_distance(self.middle, direction));
+            let (edge, rim) = (
+                first_root(linear, square),
+                rim_distance(self.middle, direction),
+            );
             (direction, angle, edge, rim)
         };
         let [mut area, mut length] = [0.0; 2];
