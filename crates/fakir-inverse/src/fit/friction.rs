@@ -323,23 +323,48 @@ pub fn fit_friction(
     data: &LateralForces,
     running: &Running<'_>,
 ) -> Result<FrictionFit, FrictionError> {
+    let solver = Contacts::new(file, running)?;
+    let contacts = solver.all(data)?;
+    let mut fit = fit_solved(file, data, &contacts)?;
+    fit.curve = solver.curve(&fit)?;
+    Ok(fit)
+}
+
+/// Solves the contacts of all rows, which depend on the loads only.
+///
+/// # Errors
+/// As [`fit_friction`].
+pub fn solve_contacts(
+    file: &CaseFile,
+    data: &LateralForces,
+    running: &Running<'_>,
+) -> Result<Vec<SolvedContact>, FrictionError> {
+    Contacts::new(file, running)?.all(data)
+}
+
+/// [`fit_friction`] with known contacts, one for each row, without the curve.
+///
+/// # Errors
+/// As [`fit_friction`].
+///
+/// # Panics
+/// If the number of contacts is not the number of rows.
+pub fn fit_solved(
+    file: &CaseFile,
+    data: &LateralForces,
+    contacts: &[SolvedContact],
+) -> Result<FrictionFit, FrictionError> {
+    assert_eq!(contacts.len(), data.rows.len(), "one contact for every row");
     let has_floor = has_floor(file);
-    let solver = Contacts::new(file, has_floor, running)?;
-    let mut rows: Vec<FittedLateral> = Vec::with_capacity(data.rows.len());
-    for (number, measured) in data.rows.iter().enumerate() {
-        (running.next)(&format!("row {} of {}", number + 1, data.rows.len()));
-        let same = rows.iter().find(|row| row.measured.load == measured.load);
-        let contact = match same {
-            Some(row) => row.contact,
-            None => solver.at(measured.load, measured.line)?,
-        };
-        rows.push(FittedLateral {
+    let rows = data.rows.iter().zip(contacts);
+    let mut rows: Vec<FittedLateral> = rows
+        .map(|(measured, contact)| FittedLateral {
             measured: *measured,
-            contact,
+            contact: *contact,
             computed: None,
             error: None,
-        });
-    }
+        })
+        .collect();
     let is_used = |row: &&mut FittedLateral| {
         row.contact.converged && (row.contact.floor.is_some() || !has_floor)
     };
@@ -476,21 +501,13 @@ pub fn fit_friction(
             fitted.set_number(stress.key, stress.value);
         }
     }
-    let lateral = |contact: &SolvedContact| -> Option<f64> {
-        let floor = match (has_floor, contact.floor) {
-            (true, floor) => floor?.value * found[1],
-            (false, _) => 0.0,
-        };
-        Some(contact.tops.value * found[0] + floor)
-    };
-    let curve = solver.curve(&rows, &lateral)?;
     Ok(FrictionFit {
         file: fitted,
         stresses,
         covariance,
         determined: known == unknowns,
         rows,
-        curve,
+        curve: Vec::new(),
         chi_square: if given { squares } else { freedom as f64 },
         degrees_of_freedom: freedom,
         estimated_error,
@@ -516,7 +533,8 @@ struct Contacts<'a> {
 }
 
 impl<'a> Contacts<'a> {
-    fn new(file: &CaseFile, has_floor: bool, running: &'a Running<'a>) -> Result<Self, CaseError> {
+    fn new(file: &CaseFile, running: &'a Running<'a>) -> Result<Self, CaseError> {
+        let has_floor = has_floor(file);
         // The areas are part of answers with a shear stress.
         let mut with_stress = file.clone();
         if file.given(Key::ShearStressTops)?.is_none() {
@@ -530,6 +548,22 @@ impl<'a> Contacts<'a> {
             is_cheap: file.surface_kind() != SurfaceKind::HeightMap,
             running,
         })
+    }
+
+    /// The contacts of all rows; those of equal loads are solved once.
+    fn all(&self, data: &LateralForces) -> Result<Vec<SolvedContact>, FrictionError> {
+        let mut contacts: Vec<SolvedContact> = Vec::with_capacity(data.rows.len());
+        for (number, row) in data.rows.iter().enumerate() {
+            (self.running.next)(&format!("row {} of {}", number + 1, data.rows.len()));
+            let same = data.rows[..number]
+                .iter()
+                .position(|other| other.load == row.load);
+            contacts.push(match same {
+                Some(place) => contacts[place],
+                None => self.at(row.load, row.line)?,
+            });
+        }
+        Ok(contacts)
     }
 
     fn at(&self, load: Load, line: u64) -> Result<SolvedContact, FrictionError> {
@@ -567,13 +601,9 @@ impl<'a> Contacts<'a> {
         })
     }
 
-    /// Contacts along the range of loads of the rows, with their lateral forces.
-    fn curve(
-        &self,
-        rows: &[FittedLateral],
-        lateral: &dyn Fn(&SolvedContact) -> Option<f64>,
-    ) -> Result<Vec<(SolvedContact, f64)>, FrictionError> {
-        let mut contacts: Vec<SolvedContact> = rows.iter().map(|row| row.contact).collect();
+    /// Contacts along the range of loads of a fit, with their lateral forces.
+    fn curve(&self, fit: &FrictionFit) -> Result<Vec<(SolvedContact, f64)>, FrictionError> {
+        let mut contacts: Vec<SolvedContact> = fit.rows.iter().map(|row| row.contact).collect();
         let largest = contacts.iter().map(|contact| contact.force);
         let largest = largest.fold(0.0, f64::max);
         if self.is_cheap && largest > 0.0 {
@@ -590,7 +620,7 @@ impl<'a> Contacts<'a> {
         }
         contacts.retain(|contact| contact.converged && contact.force.is_finite());
         contacts.sort_by(|a, b| a.force.total_cmp(&b.force));
-        let with_force = |contact: SolvedContact| Some((contact, lateral(&contact)?));
+        let with_force = |contact: SolvedContact| Some((contact, fit.lateral_force(&contact)?));
         Ok(contacts.into_iter().filter_map(with_force).collect())
     }
 }
@@ -686,6 +716,16 @@ fn statements(
 }
 
 impl FrictionFit {
+    /// The lateral force of a contact with the fitted stresses, N; `None` if its area on the floor is not known.
+    #[must_use]
+    pub fn lateral_force(&self, contact: &SolvedContact) -> Option<f64> {
+        let floor = match self.stresses.get(1) {
+            Some(stress) => stress.value * contact.floor?.value,
+            None => 0.0,
+        };
+        Some(contact.tops.value * self.stresses.first()?.value + floor)
+    }
+
     /// Correlation of both stresses; `None` if they are not both determined.
     #[must_use]
     pub fn correlation(&self) -> Option<f64> {
@@ -764,5 +804,198 @@ impl FrictionFit {
             "wall_time_s": wall_time,
             "fakir_version": VERSION,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use chacha20::ChaCha12Rng;
+    use chacha20::rand_core::SeedableRng;
+    use fakir_case::Case;
+    use rand_distr::{Distribution, Normal};
+
+    /// True stresses on tops and floor, Pa.
+    const TRUE: [f64; 2] = [0.4e6, 0.15e6];
+
+    fn file() -> CaseFile {
+        CaseFile::parse("case.toml", &Case::example().to_toml()).unwrap()
+    }
+
+    fn contact(force: f64, [tops, floor]: [f64; 2]) -> SolvedContact {
+        let area = |value: f64| Area {
+            value,
+            error: Some(0.01 * value),
+        };
+        SolvedContact {
+            force,
+            indentation: 1e-6,
+            tops: area(tops),
+            floor: Some(area(floor)),
+            converged: true,
+        }
+    }
+
+    /// Contacts with a transition after the third.
+    fn contacts() -> Vec<SolvedContact> {
+        let areas = [
+            [1e-9, 0.0],
+            [2e-9, 0.0],
+            [3e-9, 0.0],
+            [4e-9, 1e-9],
+            [4.5e-9, 3e-9],
+            [5e-9, 6e-9],
+            [5.5e-9, 1e-8],
+            [6e-9, 1.5e-8],
+        ];
+        let contacts = areas.iter().enumerate();
+        contacts
+            .map(|(k, areas)| contact(1e-4 * (k + 1) as f64, *areas))
+            .collect()
+    }
+
+    fn data(
+        contacts: &[SolvedContact],
+        error: Option<f64>,
+        noise: impl FnMut() -> f64,
+    ) -> LateralForces {
+        let mut noise = noise;
+        let rows = contacts.iter().enumerate().map(|(k, contact)| LateralRow {
+            line: k as u64 + 1,
+            load: Load::Force(contact.force),
+            lateral: Measured {
+                value: TRUE[0] * contact.tops.value
+                    + TRUE[1] * contact.floor.map_or(0.0, |area| area.value)
+                    + noise(),
+                error,
+            },
+        });
+        LateralForces {
+            name: "data".to_owned(),
+            rows: rows.collect(),
+            layout: Layout::default(),
+        }
+    }
+
+    /// With exact data the stresses are exact, and the covariance is the inverse of the normal matrix, by hand for two rows: with errors of 1 uN
+    /// and areas (1, 0) and (1, 1) in 1000 um^2 the normal matrix is [[2, 1], [1, 1]], its inverse [[1, -1], [-1, 2]].
+    #[test]
+    fn two_rows_by_hand() {
+        let contacts = [contact(1e-4, [1e-9, 0.0]), contact(2e-4, [1e-9, 1e-9])];
+        let data = data(&contacts, Some(1e-6), || 0.0);
+        let fit = fit_solved(&file(), &data, &contacts).unwrap();
+        for (stress, expected) in fit.stresses.iter().zip(TRUE) {
+            assert!((stress.value / expected - 1.0).abs() < 1e-12);
+        }
+        let unit = 1e-6_f64.powi(2) / 1e-9_f64.powi(2);
+        for (found, expected) in fit.covariance.concat().iter().zip([1.0, -1.0, -1.0, 2.0]) {
+            assert!((found / unit - expected).abs() < 1e-12, "{found}");
+        }
+        assert!((fit.correlation().unwrap() + 0.5_f64.sqrt()).abs() < 1e-12);
+        assert!(fit.determined && fit.p_value.is_none());
+        // Areas larger by 1 % make the stress on tops 1 % smaller.
+        assert!((fit.stresses[0].area_error / (TRUE[0] * (1.0 - 1.0 / 1.01)) - 1.0).abs() < 1e-9);
+        let stress = fit.file.given(Key::ShearStressFloor).unwrap().unwrap();
+        assert!((stress / TRUE[1] - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_the_data_do_not_determine() {
+        let all = contacts();
+        let before = data(&all[..3], Some(1e-6), || 0.0);
+        let fit = fit_solved(&file(), &before, &all[..3]).unwrap();
+        assert!(!fit.determined && fit.stresses[0].standard_error.is_some());
+        assert_eq!(
+            (fit.stresses[1].value, fit.stresses[1].interval),
+            (0.0, None)
+        );
+        assert!(
+            fit.warnings[0].contains("no row is past the transition"),
+            "{:?}",
+            fit.warnings
+        );
+        // Areas that are proportional to each other.
+        let same = [1.0, 2.0, 3.0].map(|k| contact(1e-4 * k, [k * 1e-9, 2.0 * k * 1e-9]));
+        let fit = fit_solved(&file(), &data(&same, None, || 0.0), &same).unwrap();
+        assert!(fit.stresses.iter().all(|stress| stress.interval.is_none()));
+        assert!(
+            fit.warnings[0].contains("proportional"),
+            "{:?}",
+            fit.warnings
+        );
+        // A floor that is not computed, and a contact that did not converge.
+        let mut odd = all.clone();
+        odd[4].floor = None;
+        odd[5].converged = false;
+        let fit = fit_solved(&file(), &data(&all, None, || 0.0), &odd).unwrap();
+        assert_eq!(
+            fit.rows.iter().filter(|row| row.computed.is_some()).count(),
+            6
+        );
+        assert!(
+            fit.warnings.iter().any(|words| words.contains("lines 5;")),
+            "{:?}",
+            fit.warnings
+        );
+        assert!(
+            fit.warnings.iter().any(|words| words.contains("lines 6")),
+            "{:?}",
+            fit.warnings
+        );
+        let few = fit_solved(&file(), &data(&all[3..5], None, || 0.0), &all[3..5]);
+        assert!(matches!(few, Err(FrictionError::TooFew { rows: 2, .. })));
+    }
+
+    /// Number of draws of noise for which the intervals contain the true stresses.
+    fn covered(contacts: &[SolvedContact], file: &CaseFile, given: bool) -> [usize; 2] {
+        let mut random = ChaCha12Rng::seed_from_u64(7);
+        let largest = TRUE[0] * contacts.last().unwrap().tops.value;
+        let noise = 0.02 * largest;
+        let normal = Normal::new(0.0, noise).unwrap();
+        let mut inside = [0, 0];
+        for _ in 0..100 {
+            let data = data(contacts, given.then_some(noise), || {
+                normal.sample(&mut random)
+            });
+            let fit = fit_solved(file, &data, contacts).unwrap();
+            for (count, (stress, expected)) in inside.iter_mut().zip(fit.stresses.iter().zip(TRUE))
+            {
+                let [low, high] = stress.interval.unwrap();
+                *count += usize::from(low < expected && expected < high);
+            }
+        }
+        inside
+    }
+
+    /// Intervals of 95 % contain the true value in 95 of 100 draws, with a standard deviation of 2.2.
+    #[test]
+    fn intervals_hold_in_most_draws() {
+        for given in [true, false] {
+            let inside = covered(&contacts(), &file(), given);
+            assert!(inside.iter().all(|count| *count >= 90), "{inside:?}");
+        }
+    }
+
+    #[test]
+    #[ignore = "slow: on solved contacts before and past the transition"]
+    fn intervals_hold_in_most_draws_on_solved_contacts() {
+        let mut file = file();
+        file.set_number(Key::SurfaceFraction, 0.03);
+        let forces = [20e-6, 60e-6, 150e-6, 400e-6, 800e-6, 1.2e-3, 1.6e-3];
+        let mut text = String::from("force_N,lateral_force_N\n");
+        for force in forces {
+            text += &format!("{force:e},1e-3\n");
+        }
+        let loads = LateralForces::from_bytes("data", text.as_bytes(), &Hints::default()).unwrap();
+        let running = Running {
+            run: fakir::state::Run::default(),
+            next: &|_| {},
+        };
+        let contacts = solve_contacts(&file, &loads, &running).unwrap();
+        assert!(contacts[6].floor.unwrap().value > 0.0);
+        for given in [true, false] {
+            let inside = covered(&contacts, &file, given);
+            assert!(inside.iter().all(|count| *count >= 90), "{inside:?}");
+        }
     }
 }
