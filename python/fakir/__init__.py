@@ -45,6 +45,7 @@ from ._fit import Estimate, Fit, fit
 from ._fits import Fits, JointFit, fit_many
 from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
 from ._floor import FloorContact
+from ._friction import FrictionFit, ShearStress, fit_friction
 from ._gradient import Gradient
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
@@ -105,6 +106,7 @@ __all__ = [
     "FlatSystem",
     "FloorContact",
     "FloorErrors",
+    "FrictionFit",
     "Gradient",
     "HeightDesign",
     "HexagonalPattern",
@@ -125,6 +127,7 @@ __all__ = [
     "PullOff",
     "Result",
     "RectangularPattern",
+    "ShearStress",
     "SolveError",
     "Spread",
     "SquarePattern",
@@ -141,6 +144,7 @@ __all__ = [
     "design_heights",
     "errors",
     "fit",
+    "fit_friction",
     "fit_many",
     "homogenised",
     "plot",

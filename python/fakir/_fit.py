@@ -441,9 +441,9 @@ def prepared(
 ) -> tuple[_fakir.Data, _fakir.Data, Instrument]:
     """The data as read and selected, the same with the given errors, and the values of the instrument."""
     errors = [
-        _error(position_error, "length", "position_error"),
-        _error(force_error, "force", "force_error"),
-        _error(contact_radius_error, "length", "contact_radius_error"),
+        error_of(position_error, "length", "position_error"),
+        error_of(force_error, "force", "force_error"),
+        error_of(contact_radius_error, "length", "contact_radius_error"),
     ]
     raw = _data(measurements, dict(columns or {}), _of_unit(spring_constant, "N/m", "spring_constant"))
     dimension = raw.load_dimension()
@@ -470,8 +470,12 @@ def _data(measurements: Measurements, named: Mapping[str, str], spring_constant:
         return _fakir.Data.read(fspath(measurements), by_hand, spring_constant)
     if _is_of_afmformats(measurements):
         spring_constant = _spring_constant(measurements, spring_constant)
-    columns = [_column(str(name), values) for name, values in _items(measurements)]
-    return _fakir.Data.of(columns, by_hand, spring_constant)
+    return _fakir.Data.of(columns_of(measurements), by_hand, spring_constant)
+
+
+def columns_of(measurements: Any) -> list[tuple[str, FloatArray | None]]:
+    """Headings and values of whatever has columns; None for columns that are not numeric."""
+    return [_column(str(name), values) for name, values in _items(measurements)]
 
 
 def _items(measurements: Any) -> list[tuple[str, Any]]:
@@ -559,7 +563,7 @@ def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
     """Heading and values, with NaN for missing measurements. The values are None for a column that is not numeric, which cannot
     be used."""
     if isinstance(values, WithUnit):
-        unit = "s" if name.startswith("time") else "N" if name.startswith("force") else "m"
+        unit = "s" if name.startswith("time") else "N" if "force" in name else "m"
         try:
             values = values.to(unit).magnitude
         except Exception as error:
@@ -577,7 +581,8 @@ def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
     return name, np.ascontiguousarray(found, dtype=np.float64)
 
 
-def _error(given: Quantity | None, dimension: Any, name: str) -> float | None:
+def error_of(given: Quantity | None, dimension: Any, name: str) -> float | None:
+    """A standard error in SI units, if it is given."""
     if given is None:
         return None
     error = finite(given, dimension, name)

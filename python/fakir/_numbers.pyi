@@ -22,6 +22,30 @@ class ErrorEstimate(NamedTuple):
     contact_area: float | None = None
     'Estimated relative error of the contact area, at least a part of the cells along its edge.'
 
+class FrictionErrors(NamedTuple):
+    lateral_force: float | None = None
+    'Estimated relative error of the lateral force, from those of both areas; the shear stresses count as exact.'
+    tops_contact_area: float | None = None
+    'Estimated relative error of the contact area on tops.'
+    floor_contact_area: float | None = None
+    'Estimated relative error of the contact area on the floor.'
+
+class Friction(NamedTuple):
+    tops_force: float
+    'Part of the pillar tops, or of the whole contact on a surface without a floor (N).'
+    tops_contact_area: float
+    'Contact area on pillar tops, or the whole one on a surface without a floor, A_tops (m^2).'
+    error: FrictionErrors
+    '`FrictionErrors` with lateral_force, tops_contact_area, floor_contact_area.'
+    lateral_force: float | None = None
+    'Lateral force of the sliding contact, τ_tops A_tops + τ_floor A_floor, Q (N); of a cycle at the end of loading; `friction` is there only with shear stresses in the case; None if the floor is reached and its area not computed.'
+    floor_force: float | None = None
+    'Part of the floor (N).'
+    floor_share: float | None = None
+    'Part of the floor over the lateral force.'
+    floor_contact_area: float | None = None
+    'Contact area on the floor, A_floor (m^2); None on a surface without a floor, and where the floor is reached and its area not computed.'
+
 class Normalized(NamedTuple):
     force: float
     'Critical force over hd/γ_int.'
@@ -129,6 +153,8 @@ class Critical(Answer):
     'Indentation at which the lens just reaches the floor, ζ_c (m).'
     floor_contact: Number[tuple[float, float]]
     'Position of the floor contact relative to the lens axis (m); under a plate, which has no axis, in the coordinates of the grid.'
+    friction: Number[Friction | None]
+    '`Friction` with lateral_force, tops_force, floor_force, floor_share, tops_contact_area, floor_contact_area, error.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]
@@ -139,6 +165,8 @@ class Contact(Answer):
     'Normal force on the lens, F (N).'
     indentation: Number[float]
     'Displacement of the lens from the position in which its lowest point is level with the pillar tops, ζ (m).'
+    friction: Number[Friction | None]
+    '`Friction` with lateral_force, tops_force, floor_force, floor_share, tops_contact_area, floor_contact_area, error.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]
@@ -333,6 +361,8 @@ class CycleNumbers(Answer):
     'Tensile stress on a pillar at its detachment over the modulus of the substrate.'
     error: Number[CycleErrors]
     '`CycleErrors` with critical_force, critical_indentation, pull_off_force, hysteresis.'
+    friction: Number[Friction | None]
+    '`Friction` with lateral_force, tops_force, floor_force, floor_share, tops_contact_area, floor_contact_area, error.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]
@@ -385,6 +415,8 @@ class FlatCycleNumbers(Answer):
     'Area of the loop of force over indentation (J); None for a path that is not closed.'
     error: Number[FlatCycleErrors]
     '`FlatCycleErrors` with turn_force, pull_off_force, hysteresis.'
+    friction: Number[Friction | None]
+    '`Friction` with lateral_force, tops_force, floor_force, floor_share, tops_contact_area, floor_contact_area, error.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]

@@ -35,6 +35,8 @@ GROUPS = {
     "error.hysteresis": "CycleError",
     "flat_cycle.error": "FlatCycleErrors",
     "floor.error": "FloorErrors",
+    "friction": "Friction",
+    "friction.error": "FrictionErrors",
     "grid": "Grid",
     "normalized": "Normalized",
     "cycle.error": "CycleErrors",

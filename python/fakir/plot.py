@@ -16,6 +16,7 @@ from ._bodies import CylinderLens, Lens, Pillars, PlateLens
 from ._cycle import Cycle
 from ._fit import Fit
 from ._fits import Fits, JointFit
+from ._friction import FrictionFit
 from ._loading import Approach
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep
@@ -33,6 +34,7 @@ __all__ = [
     "fits",
     "floor_gap_map",
     "gap_map",
+    "lateral_force",
     "lattice_sums",
     "phase_diagram",
     "pillar_pressure",
@@ -615,6 +617,32 @@ def fit(result: Fit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
     if not result.describes_data:
         axes[0].set_title("the fit does not describe the data")
     _legend(axes[0])
+    return axes
+
+
+def lateral_force(result: FrictionFit, ax: Sequence[Axes] | None = None) -> Sequence[Axes]:
+    """Plots measured lateral forces over the normal force with the curve of the fitted stresses; below, the part of the floor."""
+    data, curve = dict(result._fitted.table()), result.curve
+    upper, lower = axes = _axes(ax, 2, 1, (4.2, 4.6), sharex=True, height_ratios=[2, 1])
+    used = np.array(data["used"], dtype=bool)
+    error = MICRO * data["lateral_force_error_N"]
+    for rows, colour, label in ((used, "C0", "measured"), (~used, "0.6", "not fitted")):
+        if rows.any():
+            force, lateral = MICRO * data["force_N"][rows], MICRO * data["lateral_force_N"][rows]
+            bars = np.where(np.isfinite(error), error, 0.0)[rows]
+            upper.errorbar(force, lateral, bars, fmt=".", color=colour, ms=4, lw=0.8, label=label)
+    force, whole = MICRO * curve[:, 0], MICRO * curve[:, 1]
+    tops = MICRO * (result.tops.value or 0.0) * curve[:, 2]
+    upper.plot(force, whole, "k-", lw=1.0, label="fitted")
+    if (curve[:, 3] > 0.0).any():
+        upper.plot(force, tops, "C3--", lw=1.0, label="on tops")
+    upper.set_ylabel("lateral force (µN)")
+    upper.legend()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = np.where(whole > 0.0, 1.0 - tops / whole, 0.0)
+    lower.plot(force, share, "k-", lw=1.0)
+    lower.set_xlabel("normal force (µN)")
+    lower.set_ylabel("share of the floor")
     return axes
 
 

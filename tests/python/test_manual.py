@@ -183,6 +183,7 @@ QUESTIONS = {
         "examples/fit/case.toml",
         *FREE,
     ],
+    "friction": ["friction", CASE, "examples/lateral.csv", "--set", "pattern.surface_fraction=0.03"],
     "rounded": ["press", "examples/asperities.toml", "--force", "69mN"],
     "heights": [
         "design",

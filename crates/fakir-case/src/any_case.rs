@@ -6,7 +6,7 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::flat::FlatCase;
 use crate::support::SurfaceKind;
-use fakir::problem::Question;
+use fakir::problem::{Interactions, Question};
 
 /// A case of any kind of surface.
 #[derive(Debug, Clone)]
@@ -28,6 +28,17 @@ impl AnyCase {
         match self {
             Self::Pillars(case) => Some(case),
             _ => None,
+        }
+    }
+
+    /// Interactions that do not change the normal contact.
+    #[must_use]
+    pub fn interactions(&self) -> Interactions {
+        match self {
+            Self::Pillars(case) => *case.system.interactions(),
+            Self::Asperities(case) => *case.field.interactions(),
+            Self::Flat(case) => *case.system.interactions(),
+            Self::HeightMap(file) => file.interactions().unwrap_or_default(),
         }
     }
 

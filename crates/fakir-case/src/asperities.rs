@@ -74,6 +74,7 @@ impl AsperityCase {
         parts.pattern.pillar.height = height;
         parts.pattern.pillar.compliance = compliance;
         parts.method.accuracy = accuracy;
+        parts.interactions = *field.interactions();
         let mut keys = vec![
             Key::LensYoungModulus,
             Key::LensPoissonRatio,
@@ -94,6 +95,11 @@ impl AsperityCase {
             LensForm::Plate => Key::LensShape,
             _ => Key::LensRadius,
         });
+        let of_interactions = Key::ALL.into_iter();
+        keys.extend(
+            of_interactions
+                .filter(|key| key.part() == Part::Interactions && !(key.row().unwritten)(&parts)),
+        );
         let settings = keys.into_iter();
         let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
         let raised: Vec<f64> = field
@@ -193,7 +199,8 @@ impl AsperityCase {
                 raised.indenter().clone(),
                 *raised.substrate(),
                 asperities.collect(),
-            )?,
+            )?
+            .with_interactions(*raised.interactions())?,
             ..self.clone()
         })
     }
@@ -253,7 +260,9 @@ impl CaseFile {
         };
         let field = |pillars: &[[f64; 4]], common: f64| {
             let asperities = pillars.iter().map(|values| asperity(*values, common));
-            AsperityArray::new(indenter, parts.substrate, asperities.collect())
+            AsperityArray::new(indenter, parts.substrate, asperities.collect())?
+                .with_interactions(parts.interactions)
+                .map_err(InvalidAsperities::Body)
         };
         let (field, height) = match self.lattice_pillars(&parts)? {
             Some(pillars) => {

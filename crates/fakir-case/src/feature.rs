@@ -21,6 +21,7 @@ pub(crate) fn named(feature: Feature) -> &'static str {
         Feature::IgnoredFloor => "floor ignored",
         Feature::AdhesiveTops => "adhesive tops",
         Feature::AdhesiveFloor => "adhesive floor",
+        Feature::FloorInteraction => "shear stress on the floor",
     }
 }
 
@@ -56,6 +57,7 @@ fn keys_with(feature: Feature) -> &'static [Key] {
         Feature::IgnoredFloor => &[Key::FloorContact],
         Feature::AdhesiveTops => &[Key::WorkOfAdhesion, Key::RecedingWorkOfAdhesion],
         Feature::AdhesiveFloor => &[Key::AdhesiveFloor],
+        Feature::FloorInteraction => &[Key::ShearStressFloor],
     }
 }
 
@@ -77,6 +79,7 @@ impl CaseFile {
                     || self.entry(Key::RecedingWorkOfAdhesion).is_some()
             }
             Feature::AdhesiveFloor => pattern.adhesion.floor.0,
+            Feature::FloorInteraction => parts.interactions.act_on_floor(),
             // These are determined from a system, or have a different meaning on other surfaces.
             Feature::OtherArrangement
             | Feature::SeveralDiameters

@@ -76,6 +76,7 @@ impl CaseFile {
             .and_then(|system| {
                 system.with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
             })
+            .and_then(|system| system.with_interactions(parts.interactions))
             .map_err(|invalid| self.impossible(&invalid))?;
         Ok(FlatCase {
             system,

@@ -6,6 +6,7 @@ use crate::key::{Key, former_table_words};
 use crate::parts::{ArrangementName, OutlineForm, Parts};
 use crate::support::SurfaceKind;
 use crate::table::Part;
+use fakir::problem::{Interactions, Question};
 
 /// A key without effect in a case.
 pub(crate) struct Idle {
@@ -83,11 +84,7 @@ impl CaseFile {
         if given().next().is_none() {
             return Ok(Vec::new());
         }
-        let mut parts = match self.surface_kind() {
-            SurfaceKind::HeightMap => self.surface_parts()?.1,
-            SurfaceKind::Flat => self.flat_parts()?,
-            SurfaceKind::Pillars | SurfaceKind::Asperities => self.parts(Part::OF_PILLARS)?,
-        };
+        let mut parts = self.parts_of_kind()?;
         let mut found = Vec::new();
         for idle in given() {
             if Some(idle.key.get(&mut parts)) != idle.key.default() {
@@ -95,6 +92,37 @@ impl CaseFile {
             }
         }
         Ok(found)
+    }
+
+    /// The values of all keys of its kind of surface.
+    fn parts_of_kind(&self) -> Result<Parts, CaseError> {
+        match self.surface_kind() {
+            SurfaceKind::HeightMap => Ok(self.surface_parts()?.1),
+            SurfaceKind::Flat => self.flat_parts(),
+            SurfaceKind::Pillars | SurfaceKind::Asperities => self.parts(Part::OF_PILLARS),
+        }
+    }
+
+    /// Interactions that do not change the normal contact.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a value that cannot be read.
+    pub fn interactions(&self) -> Result<Interactions, CaseError> {
+        Ok(self.parts_of_kind()?.interactions)
+    }
+
+    /// Warnings about the case file for a question whose answer does not contain what follows from interactions, such as the lateral force: the
+    /// keys of these have no effect.
+    #[must_use]
+    pub fn warnings_without_interactions(&self, question: Question) -> Vec<String> {
+        let given = self.entries.keys.keys().copied();
+        let given = given.filter(|key| key.is_of_interactions());
+        let name = question.name();
+        let words = given.map(|key| {
+            let reason = format!("the answer of \"{name}\" does not contain the lateral force");
+            without_effect_words(key, &reason)
+        });
+        self.warnings().into_iter().chain(words).collect()
     }
 
     /// Deprecated names that were used, with the names that replace them.

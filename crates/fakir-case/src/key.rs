@@ -149,9 +149,15 @@ impl Key {
         )
     }
 
-    /// Whether all cases have it: keys of the lens and the substrate.
+    /// Whether patterns and general surfaces have it: keys of the lens and the substrate, and of interactions.
     pub(crate) fn is_of_bodies(self) -> bool {
-        self.part() == Part::Bodies
+        self.part() == Part::Bodies || self.is_of_interactions()
+    }
+
+    /// Whether it is a quantity of an interaction that does not change the normal contact.
+    #[must_use]
+    pub fn is_of_interactions(self) -> bool {
+        matches!(self.part(), Part::Interactions | Part::InteractionsOnFloor)
     }
 
     /// Whether a table of pillars may contain it for every pillar, so that it is not required.

@@ -4,9 +4,9 @@
 
 use fakir::problem::{
     Accuracy, Adhesion, Arrangement, Base, Boundary, Disorder, ElementMesh, FloorModel,
-    HexagonalLattice, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape, Material,
-    MeshLayout, Method, Pillar, PillarCompliance, PillarPattern, PlaneLattice, Point, PunchForm,
-    Scatter, ShapedLens, System,
+    HexagonalLattice, Interactions, InvalidQuantity, LatticeForm, Layer, Lens, LensForm, LensShape,
+    Material, MeshLayout, Method, Pillar, PillarCompliance, PillarPattern, PlaneLattice, Point,
+    PunchForm, Scatter, ShapedLens, System,
 };
 
 /// Values of all keys. Required values are NaN until they are set; all others have their defaults.
@@ -22,6 +22,7 @@ pub(crate) struct Parts {
     pub(crate) method: MethodParts,
     pub(crate) surface: SurfaceParts,
     pub(crate) outline: OutlineParts,
+    pub(crate) interactions: Interactions,
 }
 
 /// Parameters of a lens shape other than the radius.
@@ -234,6 +235,7 @@ impl Default for Parts {
                 edge_radius: NOT_GIVEN,
                 compliance: OfPattern::default(),
             },
+            interactions: Interactions::NONE,
         }
     }
 }
@@ -262,6 +264,7 @@ impl Parts {
             floor: Flag(adhesion.floor),
         };
         parts.pattern.arrangement.surface_fraction = system.pattern().surface_fraction();
+        parts.interactions = *system.interactions();
         let values = &mut parts.method;
         match method {
             Method::Spectral(accuracy) => {
@@ -297,7 +300,8 @@ impl Parts {
         System::new(lens, self.substrate, pattern)?
             .with_floor(self.pattern.floor)
             .with_adhesion(adhesion)?
-            .with_layers(self.substrate_layer.layer(), self.lens_layer.layer())
+            .with_layers(self.substrate_layer.layer(), self.lens_layer.layer())?
+            .with_interactions(self.interactions)
     }
 }
 

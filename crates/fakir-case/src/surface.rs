@@ -147,6 +147,7 @@ impl CaseFile {
         self.check_bases(&parts)?;
         system = system
             .with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
+            .and_then(|system| system.with_interactions(parts.interactions))
             .map_err(|invalid| self.impossible(&invalid))?;
         if matches!(origin, SurfaceOrigin::Pattern(_)) {
             system = system.continued();
@@ -161,6 +162,16 @@ impl CaseFile {
         }
         if let Some(floor) = floor {
             system = system.with_floor(floor);
+        } else if let Some(key) = self.given_on_floor() {
+            return Err(self
+                .problem(
+                    key,
+                    "it is not known which part of this height map is the floor",
+                )
+                .accepted(format!(
+                    "give {}, the height at or below which it is, or leave this out",
+                    Key::Floor
+                )));
         }
         Ok(SurfaceCase {
             system,
@@ -183,9 +194,28 @@ impl CaseFile {
     pub(crate) fn surface_parts(&self) -> Result<(Part, Parts), CaseError> {
         self.refuse_pillar_pattern()?;
         let kind = self.kind_of_surface()?;
-        let parts = self.parts(&[Part::Bodies, Part::Shape, Part::Surface, kind])?;
+        let parts = self.parts(&[
+            Part::Bodies,
+            Part::Shape,
+            Part::Surface,
+            kind,
+            Part::Interactions,
+            Part::InteractionsOnFloor,
+        ])?;
         self.answers(Question::Press, Solver::HeightMap, &self.features(&parts))?;
         Ok((kind, parts))
+    }
+
+    /// The first given key of an interaction on the floor.
+    fn given_on_floor(&self) -> Option<Key> {
+        let mut given = self.entries.keys.keys().copied();
+        given.find(|key| key.part() == Part::InteractionsOnFloor)
+    }
+
+    /// Whether a general surface defines its floor: by its height, or by its pillars.
+    #[must_use]
+    pub fn defines_floor(&self) -> bool {
+        self.entry(Key::Floor).is_some() || self.entry(Key::Arrangement).is_some()
     }
 
     /// First position of a table or one of its keys.

@@ -42,6 +42,10 @@ pub(crate) enum Part {
     Shape,
     /// Adhesion, of the same.
     Adhesion,
+    /// Interactions that do not change the normal contact, of every surface.
+    Interactions,
+    /// Those on the floor, of every surface but a flat one.
+    InteractionsOnFloor,
     /// A pattern of round pillars, and its method.
     PillarPattern,
     /// A surface without pillars.
@@ -61,10 +65,18 @@ impl Part {
         Self::Shape,
         Self::Adhesion,
         Self::PillarPattern,
+        Self::Interactions,
+        Self::InteractionsOnFloor,
     ];
 
     /// Those of a flat surface.
-    pub(crate) const OF_FLAT: &[Self] = &[Self::Bodies, Self::Shape, Self::Adhesion, Self::Flat];
+    pub(crate) const OF_FLAT: &[Self] = &[
+        Self::Bodies,
+        Self::Shape,
+        Self::Adhesion,
+        Self::Flat,
+        Self::Interactions,
+    ];
 }
 
 const FRACTION: Range = Range::Between(Included(0.0), Excluded(1.0));
@@ -252,6 +264,20 @@ keys! {
             word("true: the floor is adhesive too; the lens jumps onto it at first contact", |p| &mut p.pattern.adhesion.floor)
                 .label("adhesive floor").optional()
                 .unwritten(|p| !p.pattern.adhesion.floor.0);
+    }
+    Interactions {
+        ShearStressTops = "friction.shear_stress_tops" is
+            pressure("constant shear stress on pillar tops in contact, or in the whole contact on a surface without a floor, for the lateral force", |p| &mut p.interactions.friction.get_or_insert_default().shear_stress_tops)
+                .label("shear stress on tops").symbol("τ_tops").usual(1e3, 1e8)
+                .range(Range::Between(Included(0.0), Unbounded)).optional()
+                .unwritten(|p| p.interactions.friction.is_none());
+    }
+    InteractionsOnFloor {
+        ShearStressFloor = "friction.shear_stress_floor" is
+            pressure("constant shear stress on the floor in contact, for the lateral force", |p| &mut p.interactions.friction.get_or_insert_default().shear_stress_floor)
+                .label("shear stress on floor").symbol("τ_floor").usual(1e3, 1e8)
+                .range(Range::Between(Included(0.0), Unbounded)).optional()
+                .unwritten(|p| p.interactions.friction.is_none());
     }
     Flat {
         Flat = "surface.flat" is

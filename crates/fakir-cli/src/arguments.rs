@@ -235,6 +235,22 @@ pub(crate) enum Command {
       --threads 0 --output fitted
   fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point --joint")]
     Fit(Fit),
+    /// Fit the shear stresses of friction on tops and floor to measured lateral forces
+    ///
+    /// DATA has a heading with units and a row for every normal load, with the columns lateral_force_N (also called friction, tangential or
+    /// shear force) and force_N (normal force) or indentation_m. The contact of every row is solved; its areas on pillar tops and on the floor
+    /// determine both stresses by linear least squares. Standard errors are in a column lateral_force_error_N, or given as --lateral-error;
+    /// otherwise they are estimated from the residuals.
+    ///
+    /// A stress that the data do not determine has no interval: the one of the floor if no row is past the transition. On a flat surface, on
+    /// rounded tops, and on a height map without surface.floor there is one stress, of the whole contact.
+    ///
+    /// The shear does not change the normal contact in this model: this is exact between incompressible half-spaces; contacts are not peeled
+    /// by shear.
+    #[command(after_help = "Examples:
+  fakir friction case.toml lateral.csv
+  fakir friction case.toml lateral.csv --lateral-error 5uN --output friction")]
+    Friction(Friction),
     /// Compute many cases: a study file with axes along which a case is varied
     ///
     /// The case has a [pattern] or a [surface]; an axis is any of its keys, or a load. Computed is the critical state; with question =
@@ -266,6 +282,7 @@ impl Command {
             Self::Transition(options) => options.limits.strict,
             Self::Press(options) => options.limits.strict,
             Self::Fit(options) => options.strict,
+            Self::Friction(options) => options.strict,
             _ => false,
         }
     }
@@ -287,11 +304,50 @@ impl Command {
             Self::Reproduce(_) => "reproduce",
             Self::Design(_) => "design",
             Self::Fit(_) => "fit",
+            Self::Friction(_) => "friction",
             Self::Sweep(_) => "sweep",
             Self::Merge(_) => "merge",
             Self::Completions(_) => "completions",
             Self::Man(_) => "man",
         }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Friction {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    /// Table of lateral forces under normal loads (text, .gz, .xlsx): columns lateral_force_N and one of force_N (normal force) and
+    /// indentation_m, in any unit
+    #[arg(value_name = "DATA")]
+    pub(crate) data: PathBuf,
+    /// Assign a column explicitly, as in lateral_force="Channel 2 [mN]" or force="#2 [mN]"; may be repeated
+    #[arg(long = "column", value_name = "QUANTITY=HEADING", value_parser = NamedColumn::parse)]
+    columns: Vec<NamedColumn>,
+    /// Standard error of lateral forces without one in the file (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = positive_force)]
+    pub(crate) lateral_error: Option<f64>,
+    /// Exit with status 1 if the fit does not describe the data; the result is still printed and saved
+    #[arg(long)]
+    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Friction {
+    pub(crate) fn hints(&self) -> Hints {
+        Hints {
+            named: self.columns.clone(),
+            spring_constant: None,
+        }
+    }
+}
+
+fn positive_force(text: &str) -> Result<f64, String> {
+    let value = force(text).map_err(|error| error.to_string())?;
+    match value > 0.0 && value.is_finite() {
+        true => Ok(value),
+        false => Err("must be greater than 0".to_owned()),
     }
 }
 

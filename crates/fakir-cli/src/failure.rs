@@ -6,6 +6,7 @@ use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{CaseError, with_keys};
 use fakir_figure::FigureError;
 use fakir_inverse::design::DesignError;
+use fakir_inverse::fit::friction::FrictionError;
 use fakir_inverse::fit::{DataError, FitError};
 use fakir_inverse::heights::HeightDesignError;
 use fakir_inverse::pillar_heights::PillarHeightsError;
@@ -111,6 +112,18 @@ impl From<SurfaceVerifyError> for Failure {
         match error {
             SurfaceVerifyError::Case(error) => error.into(),
             SurfaceVerifyError::Surface(error) => error.into(),
+            other => Self::Argument(other.to_string()),
+        }
+    }
+}
+
+impl From<FrictionError> for Failure {
+    fn from(error: FrictionError) -> Self {
+        match error {
+            FrictionError::Case(error) => error.into(),
+            FrictionError::Data(error) => error.into(),
+            FrictionError::Answer { error, .. } => error.into(),
+            FrictionError::Interrupted => SolveError::Interrupted.into(),
             other => Self::Argument(other.to_string()),
         }
     }

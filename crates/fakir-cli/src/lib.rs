@@ -64,7 +64,8 @@ fn run(command: &Command) -> Result<Status, Failure> {
             options.floor.apply(&mut file)?;
             let (load, cells) = (options.load.load(), options.cells);
             let case = file.any_case(&[Question::Verify])?;
-            deliver(command, &options.case, file.warnings(), move || {
+            let warnings = file.warnings_without_interactions(Question::Verify);
+            deliver(command, &options.case, warnings, move || {
                 commands::verify::run(&case, load, cells, &session)
             })
         }
@@ -94,6 +95,14 @@ fn run(command: &Command) -> Result<Status, Failure> {
         }
         Command::Design(options) => design(command, options),
         Command::Fit(options) => fit(command, options),
+        Command::Friction(options) => {
+            let session = Session::start(&options.run, options.case.quiet)?;
+            let data = commands::friction::data(options)?;
+            let file = read_case(&options.case)?;
+            deliver(command, &options.case, file.warnings(), || {
+                commands::friction::run(&file, &data, &session)
+            })
+        }
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Merge(options) => commands::sweep::merge(options),
         Command::Completions(options) => commands::installed::completions(options),
@@ -115,9 +124,8 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
         None => commands::design::run(&file, options, &session)?,
     };
     drop(session);
-    let status = deliver(command, &options.case, file.warnings(), || {
-        Ok(designed.report)
-    })?;
+    let warnings = file.warnings_without_interactions(Question::Design);
+    let status = deliver(command, &options.case, warnings, || Ok(designed.report))?;
     Ok(if designed.found {
         status
     } else {
@@ -148,7 +156,8 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     for misfit in &fitted.misfits {
         failure::report_line(&format!("warning: {misfit}"));
     }
-    deliver(command, &case, file.warnings(), || Ok(fitted.report))
+    let warnings = file.warnings_without_interactions(Question::Fit);
+    deliver(command, &case, warnings, || Ok(fitted.report))
 }
 
 /// Answers a question about a case of any kind.
@@ -183,7 +192,8 @@ fn answer_of_pillars(
     ask: impl FnOnce(&Case) -> Result<Report, Failure>,
 ) -> Result<Status, Failure> {
     let case = pattern(file, question)?;
-    deliver(command, options, file.warnings(), || ask(&case))
+    let warnings = file.warnings_without_interactions(question);
+    deliver(command, options, warnings, || ask(&case))
 }
 
 /// The case of pillars with flat tops, if it supports a question.

@@ -92,9 +92,18 @@
  * @property {boolean} beyond_transition
  * @property {FloorSummary | null} floor Null before the transition, and beyond it if floor contact is ignored.
  * @property {ErrorEstimate} relative_error_estimate
+ * @property {FrictionSummary} [friction] Only with shear stresses in the case.
  * @property {readonly Limit[]} limits
  * @property {boolean} converged
  * @property {number} wall_time_s
+ */
+
+/**
+ * The lateral force of a sliding contact.
+ * @typedef {object} FrictionSummary
+ * @property {number | null} lateral_force_N Null if the floor is reached and its area is not computed.
+ * @property {number | null} floor_share
+ * @property {{ lateral_force: number | null }} relative_error_estimate
  */
 
 /** @typedef {readonly [number, number]} Point */

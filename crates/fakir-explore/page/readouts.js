@@ -20,7 +20,7 @@ import {
 
 /**
  * @import {
- *   CycleError, CycleStation, ExpectedCells, AdhesiveFloor, FloorSummary, Limit, Progress, SolvedCycle, StationState,
+ *   CycleError, CycleStation, ExpectedCells, AdhesiveFloor, FloorSummary, FrictionSummary, Limit, Progress, SolvedCycle, StationState,
  *   TransitionSummary,
  * } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
@@ -325,9 +325,22 @@ export function drawLoad(state) {
   const { contact_radius_m: reached, top_contact_radius_m: tops = reached } = summary;
   const whole = isCritical(state.solved.is.fraction) ? criticalRadius(state, reached) : reached;
   const radius = radiusWords(whole, tops, digits(error.contact_radius));
-  write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  ${radius}`);
+  write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  ${radius}${lateralWords(summary.friction)}`);
   write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
   drawFloor(summary.floor);
+}
+
+/**
+ * The lateral force of a sliding contact, with the part of the floor; empty without shear stresses.
+ * @param {FrictionSummary | undefined} friction
+ * @returns {string}
+ */
+function lateralWords(friction) {
+  if (friction === undefined || friction.lateral_force_N === null) return "";
+  const digits = Math.min(4, digitsFor(friction.relative_error_estimate.lateral_force));
+  const share = friction.floor_share ?? 0;
+  const floor = share > 0 ? ` (${significant(100 * share, 2)} % on the floor)` : "";
+  return `,  lateral force ${engineeringText(friction.lateral_force_N, "force", digits)}${floor}`;
 }
 
 /**

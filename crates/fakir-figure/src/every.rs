@@ -4,9 +4,9 @@ use crate::samples::{self, system};
 use crate::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, CriticalStateCurve, CriticalStatePoint,
     DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad,
-    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, LineChart, LoadingPoint,
-    PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint, Series, Style, SurfaceState, Text,
-    View,
+    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, LateralModel,
+    LateralPoint, LineChart, LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint,
+    Series, Style, SurfaceState, Text, View,
 };
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
@@ -248,6 +248,21 @@ fn of_numbers() -> Drawn {
         paths: vec![Series::new("loading", points.clone(), Style::line(1))],
         shares: vec![Series::new("share", points, Style::line(2))],
     };
+    let laterals: Vec<LateralPoint> = (0..20)
+        .map(|k| LateralPoint {
+            force: f64::from(k),
+            measured: wild(k),
+            error: 1.0,
+            used: k % 5 != 0,
+        })
+        .collect();
+    let of_model: Vec<LateralModel> = (0..20)
+        .map(|k| LateralModel {
+            force: f64::from(k),
+            tops: wild(k),
+            floor: wild(k + 1),
+        })
+        .collect();
     let histogram = Histogram {
         label: Text::from("quantity (µN)"),
         unit: Text::from("µN"),
@@ -270,6 +285,7 @@ fn of_numbers() -> Drawn {
             crate::fit_curves(FittedLoad::Displacement, &[fitted], true),
         ),
         ("fits", crate::fits(&[several], 20, false)),
+        ("lateral_force", crate::lateral_force(&laterals, &of_model)),
         (
             "pull_off_curves",
             crate::pull_off_curves(&Axis::linear("x"), &[pull_off]),

@@ -162,6 +162,11 @@ impl Asperities {
 }
 
 impl Asperities {
+    /// The case as a case file.
+    pub(crate) fn text(&self) -> String {
+        self.case.to_toml()
+    }
+
     pub(crate) fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;

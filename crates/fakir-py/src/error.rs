@@ -133,6 +133,11 @@ pub(crate) fn fit_error(error: &FitError) -> PyErr {
     }
 }
 
+/// A fit that is refused.
+pub(crate) fn refused_fit(error: &impl std::fmt::Display) -> PyErr {
+    exceptions::FitError::new_err(error.to_string())
+}
+
 pub(crate) fn study_error(error: &StudyError) -> PyErr {
     match error {
         StudyError::Case(error) => case_error(error),

@@ -126,7 +126,7 @@ impl Data {
 }
 
 /// Explicitly assigned columns.
-fn hints(named: &[(String, String)], spring_constant: Option<f64>) -> PyResult<Hints> {
+pub(crate) fn hints(named: &[(String, String)], spring_constant: Option<f64>) -> PyResult<Hints> {
     let one = |(quantity, heading): &(String, String)| {
         NamedColumn::new(quantity, heading).map_err(value_error)
     };

@@ -374,6 +374,11 @@ pub(crate) fn verify_surface(
 }
 
 impl Surface {
+    /// The case file it was read from, if any.
+    pub(crate) fn case_file(&self) -> Option<&CaseFile> {
+        self.file.as_ref()
+    }
+
     pub(crate) fn of(
         mut file: CaseFile,
         overrides: &[String],

@@ -2,7 +2,8 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::record::{
-    AsperityAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head, surface_head,
+    AsperityAnswer, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head,
+    surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{Feature, Load, Question, Solver, SurfaceSystem, Unsupported};
@@ -328,7 +329,11 @@ impl Loadable for FlatCase {
     }
 
     fn state(&self, state: LoadingState<&FlatContact>) -> Record {
-        Record::of(&state)
+        let answer = FlatAnswer {
+            system: &self.system,
+            contact: state.answer,
+        };
+        Record::of(&state.of(answer))
     }
 
     fn head(&self) -> Object {

@@ -3,7 +3,7 @@
 //! A [`Topic`] is a feature that was used; [`citations`] returns the references of several topics, each with a short reason. The formulas
 //! themselves are cited in the crate `fakir`.
 
-use fakir::problem::{Arrangement, Boundary, MeshLayout, Method, PunchForm};
+use fakir::problem::{Arrangement, Boundary, Interactions, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
 use fakir_case::{Case, FlatCase, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
 use serde::{Deserialize, Serialize};
@@ -36,6 +36,8 @@ pub enum Topic {
     Flat,
     /// Rounded pillar tops.
     Asperities,
+    /// An interaction that does not change the normal contact, by its [name](fakir::problem::Interactions::names).
+    Interaction(&'static str),
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -79,6 +81,13 @@ impl Topic {
             .collect()
     }
 
+    /// Topics of interactions that do not change the normal contact.
+    #[must_use]
+    pub fn of_interactions(interactions: &Interactions) -> Vec<Self> {
+        let names = interactions.names().into_iter();
+        names.map(Self::Interaction).collect()
+    }
+
     /// Topics of a case with a general surface.
     #[must_use]
     pub fn of_surface(case: &SurfaceCase) -> Self {
@@ -116,6 +125,7 @@ impl Topic {
             .chain(layers)
             .chain(of_kind)
             .chain(surfaces)
+            .chain(study.interactions().iter().copied().map(Self::Interaction))
             .collect()
     }
 }
@@ -302,6 +312,7 @@ impl Topic {
             Self::Layers => vec!["layers"],
             Self::Flat => vec!["flat"],
             Self::Asperities => vec!["rounded_tops"],
+            Self::Interaction(name) => vec![name],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
@@ -403,6 +414,7 @@ mod tests {
                 Topic::Layers,
                 Topic::Flat,
                 Topic::Asperities,
+                Topic::Interaction("friction"),
                 Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),
@@ -474,7 +486,7 @@ mod tests {
         assert_eq!(keys.len(), citations.len());
         let johnson = citations.iter().find(|c| c.key == "Johnson1985").unwrap();
         assert_eq!(johnson.why.matches("flat punch").count(), 1);
-        assert_eq!(johnson.why.matches("; ").count(), 3);
+        assert_eq!(johnson.why.matches("; ").count(), 4);
     }
 
     #[test]

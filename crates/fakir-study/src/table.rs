@@ -203,6 +203,10 @@ fn number_columns(rows: &[Row], kind: Kind, columns: &mut Vec<Column>) {
         })
         .collect();
     for (place, entry) in kind.entries().iter().enumerate() {
+        let mut found = records.iter().flatten().map(|record| record.value(place));
+        if entry.if_given && found.all(|value| *value == Recorded::None) {
+            continue;
+        }
         for (name, coordinate) in entry.columns() {
             let values = records
                 .iter()

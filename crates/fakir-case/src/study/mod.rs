@@ -62,9 +62,16 @@ impl StudyFile {
         let mut surfaces = Surfaces::default();
         let mut rounded = None;
         let (mut adhesive, mut layered) = (false, false);
+        let mut interactions: Vec<&'static str> = Vec::new();
         for index in 0..cases {
             let blame = |error| self.blame(error, index);
-            match self.resolve(index).map_err(blame)?.case {
+            let case = self.resolve(index).map_err(blame)?.case;
+            for name in case.interactions().names() {
+                if !interactions.contains(&name) {
+                    interactions.push(name);
+                }
+            }
+            match case {
                 AnyCase::Pillars(case) => {
                     adhesive |= !case.system.adhesion().is_none();
                     layered |= case.system.has_layers();
@@ -90,6 +97,7 @@ impl StudyFile {
             examples,
             adhesive,
             layered,
+            interactions,
             rounded,
             surfaces,
             text: String::new(),
@@ -109,6 +117,8 @@ pub struct Study {
     /// Whether there is adhesion in any case.
     adhesive: bool,
     layered: bool,
+    /// Names of the interactions of any case.
+    interactions: Vec<&'static str>,
     /// The first case, if pillars have rounded tops.
     rounded: Option<Box<AsperityCase>>,
     surfaces: Surfaces,
@@ -218,6 +228,12 @@ impl Study {
     #[must_use]
     pub fn has_layers(&self) -> bool {
         self.layered
+    }
+
+    /// Names of the interactions that do not change the normal contact, of any of its cases.
+    #[must_use]
+    pub fn interactions(&self) -> &[&'static str] {
+        &self.interactions
     }
 
     /// Warnings: keys without effect in any case, each with the reason.

@@ -7,6 +7,7 @@ pub(crate) mod design;
 pub(crate) mod explore;
 pub(crate) mod fit;
 pub(crate) mod fits;
+pub(crate) mod friction;
 pub(crate) mod heights;
 pub(crate) mod init;
 pub(crate) mod installed;

@@ -8,6 +8,7 @@ mod common;
 mod design;
 mod fits;
 mod flat;
+mod friction;
 mod heights;
 mod installed;
 mod pattern_only;

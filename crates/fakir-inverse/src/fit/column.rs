@@ -15,13 +15,15 @@ pub enum Column {
     ForceError,
     ContactRadius,
     ContactRadiusError,
+    LateralForce,
+    LateralForceError,
     Time,
     Branch,
 }
 
 impl Column {
     /// All columns.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Displacement,
         Self::DisplacementError,
         Self::Indentation,
@@ -30,6 +32,8 @@ impl Column {
         Self::ForceError,
         Self::ContactRadius,
         Self::ContactRadiusError,
+        Self::LateralForce,
+        Self::LateralForceError,
         Self::Time,
         Self::Branch,
     ];
@@ -46,6 +50,8 @@ impl Column {
             Self::ForceError => "force_error_N",
             Self::ContactRadius => "contact_radius_m",
             Self::ContactRadiusError => "contact_radius_error_m",
+            Self::LateralForce => "lateral_force_N",
+            Self::LateralForceError => "lateral_force_error_N",
             Self::Time => "time_s",
             Self::Branch => "branch",
         }
@@ -63,6 +69,8 @@ impl Column {
             Self::ForceError => "force_error",
             Self::ContactRadius => "contact_radius",
             Self::ContactRadiusError => "contact_radius_error",
+            Self::LateralForce => "lateral_force",
+            Self::LateralForceError => "lateral_force_error",
             Self::Time => "time",
             Self::Branch => "branch",
         }
@@ -71,7 +79,9 @@ impl Column {
     /// Dimension; `None` for times and branches.
     pub(super) fn dimension(self) -> Option<Dimension> {
         match self {
-            Self::Force | Self::ForceError => Some(Dimension::Force),
+            Self::Force | Self::ForceError | Self::LateralForce | Self::LateralForceError => {
+                Some(Dimension::Force)
+            }
             Self::Time | Self::Branch => None,
             _ => Some(Dimension::Length),
         }
@@ -84,6 +94,7 @@ impl Column {
             Self::IndentationError => Some(Self::Indentation),
             Self::ForceError => Some(Self::Force),
             Self::ContactRadiusError => Some(Self::ContactRadius),
+            Self::LateralForceError => Some(Self::LateralForce),
             _ => None,
         }
     }
@@ -97,10 +108,14 @@ impl Column {
             Self::DisplacementError | Self::IndentationError if value < 0.0 => {
                 Some("a standard error cannot be negative")
             }
-            Self::ForceError | Self::ContactRadiusError if value <= 0.0 => Some(
-                "a standard error must be greater than 0; leave the column out and the scatter \
+            Self::ForceError | Self::ContactRadiusError | Self::LateralForceError
+                if value <= 0.0 =>
+            {
+                Some(
+                    "a standard error must be greater than 0; leave the column out and the scatter \
                  is estimated",
-            ),
+                )
+            }
             Self::ContactRadius if value < 0.0 => Some("a contact radius cannot be negative"),
             _ => None,
         }

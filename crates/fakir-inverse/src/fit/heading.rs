@@ -115,6 +115,16 @@ const ERRORS: [&str; 9] = [
     "deviation",
 ];
 
+/// Words that change a force into a lateral force.
+const LATERAL: [&str; 6] = [
+    "lateral",
+    "friction",
+    "frictional",
+    "tangential",
+    "shear",
+    "transverse",
+];
+
 /// Words without effect that may accompany the name.
 const FILLERS: [&str; 28] = [
     "normal",
@@ -159,6 +169,7 @@ pub(super) fn quantity_of(name: &str) -> Option<Column> {
     };
     for word in &words {
         let is_other = ERRORS.contains(&&word[..])
+            || LATERAL.contains(&&word[..])
             || FILLERS.contains(&&word[..])
             || word.chars().all(|c| c.is_ascii_digit());
         match (of(&QUANTITIES, word), of(&SYMBOLS, word)) {
@@ -177,6 +188,12 @@ pub(super) fn quantity_of(name: &str) -> Option<Column> {
     if named.iter().any(|(column, _)| *column != first) {
         return None;
     }
+    let is_lateral = words.iter().any(|word| LATERAL.contains(&&word[..]));
+    let first = match (is_lateral, first) {
+        (false, _) => first,
+        (true, Column::Force) => Column::LateralForce,
+        (true, _) => return None,
+    };
     match (is_error, first) {
         (false, _) => Some(first),
         (true, _) => Column::ALL
@@ -341,7 +358,10 @@ mod tests {
             ("force_error_N", "force_error", "N"),
             ("Time (s)", "time", "s"),
             ("Normal Force (raw) [mN]", "force", "mN"),
-            ("Friction force [mN]", "", ""),
+            ("Friction force [mN]", "lateral_force", "mN"),
+            ("lateral_force_uN", "lateral_force", "uN"),
+            ("Lateral force error (mN)", "lateral_force_error", "mN"),
+            ("Tangential displacement (um)", "", ""),
             ("Lens radius [mm]", "", ""),
             ("Force setpoint [mN]", "", ""),
         ] {

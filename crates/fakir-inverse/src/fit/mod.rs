@@ -54,6 +54,7 @@ mod curves;
 mod curves_report;
 mod descent;
 mod error;
+pub mod friction;
 mod heading;
 mod joint;
 mod joint_report;

@@ -10,7 +10,7 @@ use crate::record::{AsperityAnswer, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
 use crate::report::state::{QuantityList, alone, error_remark};
 use crate::result::{asperity_pillars, left_out_words};
-use fakir::problem::Solver;
+use fakir::problem::{Interactions, Solver};
 use fakir::state::{AsperityContact, AsperityState, Limit, PillarStatus, Regime, Run};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -37,6 +37,10 @@ impl Kind for AsperityCase {
 
     fn method(&self) -> String {
         method_line(self.accuracy)
+    }
+
+    fn interactions(&self) -> &Interactions {
+        self.field.interactions()
     }
 
     fn topics(&self, _: Option<f64>) -> Vec<Topic> {

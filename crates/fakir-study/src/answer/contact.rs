@@ -4,7 +4,7 @@ use super::kind::{ContactOf, Context, Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Running};
 use crate::approach::Loadable;
 use crate::provenance::Provenance;
-use crate::record::{GradientObject, Record};
+use crate::record::{GradientObject, Record, interactions};
 use crate::report::state::{range_warnings, with_derivatives};
 use crate::result::{control_words, json};
 use fakir::problem::Load;
@@ -83,12 +83,14 @@ impl<K: Kind> Found<K> for Pressed<ContactOf<K>> {
             .left_out(contact)
             .map_or(String::new(), |words| format!("; {words}"));
         let mut list = case.quantities(&self.reached);
+        list.interactions(&case.record(&self.reached));
         if let Some(limits) = case.limits(contact, of.details.range) {
             list.range(&limits).model(&limits);
         }
         case.solution(&mut list, contact, of.wall_time);
         let text = format!(
-            "{heading}\n{of_case}\n{method}{left_out}\n\n{}",
+            "{heading}\n{of_case}\n{method}{left_out}\n{}\n{}",
+            interactions::words(case.interactions()),
             list.text()
         );
         with_derivatives(text, self.gradient.as_ref())

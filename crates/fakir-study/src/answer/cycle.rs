@@ -107,6 +107,7 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.length("at rest without load", indentation, String::new());
     }
     turn_and_pull_off(&mut list, cycle);
+    list.interactions(&Record::of(cycle));
     floor_contact(&mut list, cycle);
     match cycle.separation {
         Some(indentation) => list.length("last release", indentation, String::new()),

@@ -11,7 +11,7 @@ use crate::report::state::{
     QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, range_warnings,
 };
 use crate::result::{csv, json};
-use fakir::problem::{CyclePlan, Solver, UnloadingPoint};
+use fakir::problem::{CyclePlan, Interactions, Solver, UnloadingPoint};
 use fakir::state::{FlatContact, FlatCycle, Limit, Regime, Run, Solution};
 use fakir_case::FlatCase;
 use fakir_case::unit::Dimension;
@@ -51,6 +51,10 @@ impl Kind for FlatCase {
 
     fn method(&self) -> String {
         FLAT_METHOD.to_owned()
+    }
+
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
     }
 
     fn topics(&self, range: Option<f64>) -> Vec<Topic> {
@@ -325,6 +329,7 @@ impl Found<FlatCase> for FlatCycle {
                 &remark(self.loop_area_error),
             );
         }
+        list.interactions(&Record::of(self));
         list.limits(&self.limits(of));
         of.case.solution(&mut list, &self.turn, of.wall_time);
         format!(

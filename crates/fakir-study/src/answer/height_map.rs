@@ -11,7 +11,7 @@ use crate::provenance::Provenance;
 use crate::record::{Record, SurfaceAnswer, indenter_name};
 use crate::report::state::QuantityList;
 use crate::report::surface::description;
-use fakir::problem::{Indenter, Load, Solver, SurfaceSystem};
+use fakir::problem::{Indenter, Interactions, Load, Solver, SurfaceSystem};
 use fakir::state::{Limit, LoadSharing, Regime, Run, SurfaceContact};
 use fakir_case::SurfaceCase;
 use fakir_case::height_map::to_npy;
@@ -47,6 +47,10 @@ impl Kind for SurfaceCase {
             grid.columns(),
             grid.rows()
         )
+    }
+
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
     }
 
     fn topics(&self, _: Option<f64>) -> Vec<Topic> {

@@ -7,7 +7,7 @@ use crate::output::File;
 use crate::provenance::Provenance;
 use crate::record::{GradientObject, Record};
 use crate::report::state::QuantityList;
-use fakir::problem::{CyclePlan, Load, Point, Question, Solver};
+use fakir::problem::{CyclePlan, Interactions, Load, Point, Question, Solver};
 use fakir::state::{Critical, Limit, Regime, Run};
 
 /// Contacts of cases of this kind.
@@ -36,8 +36,11 @@ pub(super) trait Kind: Clone + 'static {
         self.method()
     }
 
-    /// Topics to cite.
+    /// Topics to cite, without those of interactions.
     fn topics(&self, range: Option<f64>) -> Vec<Topic>;
+
+    /// Interactions that do not change the normal contact.
+    fn interactions(&self) -> &Interactions;
 
     /// The case as a case file.
     fn text(&self) -> String;

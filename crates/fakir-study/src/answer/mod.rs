@@ -121,7 +121,7 @@ pub fn described(case: &AnyCase) -> Result<Described, CaseError> {
             lines: case.lines(),
             method: case.method(),
             cited_as: case.cited_as(),
-            topics: case.topics(None),
+            topics: topics(case, None),
             text: case.text(),
         }
     }
@@ -131,6 +131,13 @@ pub fn described(case: &AnyCase) -> Result<Described, CaseError> {
         AnyCase::Flat(case) => of(&**case),
         AnyCase::HeightMap(file) => of(&file.surface_case(Run::default().memory_limit())?),
     })
+}
+
+/// Topics to cite for a case.
+fn topics(case: &impl Kind, range: Option<f64>) -> Vec<Topic> {
+    let mut topics = case.topics(range);
+    topics.extend(Topic::of_interactions(case.interactions()));
+    topics
 }
 
 /// A rough estimate of the cost of a contact, in a unit that depends on the kind of surface; for a general surface, the number of cells.
@@ -213,7 +220,7 @@ impl<K: Kind> Answered for Solved<'_, K> {
         let provenance = Provenance::new(
             found.question(),
             case.method(),
-            &case.topics(self.details.range),
+            &topics(case, self.details.range),
             case.text(),
         );
         let mut warnings = found.warnings(&of, running)?;

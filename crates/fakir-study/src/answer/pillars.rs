@@ -10,7 +10,7 @@ use crate::provenance::{Provenance, method_words};
 use crate::record::{GradientObject, Record};
 use crate::report::state::{QuantityList, pillar_pattern_line, radius_digits};
 use crate::result::pillars;
-use fakir::problem::{CyclePlan, FloorModel, Load, Method, Solver, System};
+use fakir::problem::{CyclePlan, FloorModel, Interactions, Load, Method, Solver, System};
 use fakir::state::{ContactState, CriticalState, Limit, Normalized, Regime, Run, SolveError};
 use fakir_case::Case;
 use fakir_case::unit::Dimension;
@@ -40,6 +40,10 @@ impl Kind for Case {
 
     fn method(&self) -> String {
         method_words(self.method)
+    }
+
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
     }
 
     fn topics(&self, range: Option<f64>) -> Vec<Topic> {

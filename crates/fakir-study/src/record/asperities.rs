@@ -1,10 +1,11 @@
 //! The numbers of contacts with rounded pillar tops.
 
 use super::contact::{common, load};
+use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
-use fakir::problem::AsperityArray;
+use fakir::problem::{AsperityArray, ContactAreas, Interactions};
 use fakir::state::{AsperityContact, AsperityErrors, AsperityState, PillarStatus};
 use fakir_case::AsperityCase;
 
@@ -157,7 +158,18 @@ impl<'a> Recorded for AsperityAnswer<'a> {
             "whether the floor is certainly not reached",
             |it: &Self| it.floor_is_out_of_reach(),
         ));
+        rows.extend(interactions::rows());
         rows.extend(of_contact(solution()));
         rows
+    }
+}
+
+impl Interacting for AsperityAnswer<'_> {
+    fn interactions(&self) -> &Interactions {
+        self.field.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.contact.areas()
     }
 }

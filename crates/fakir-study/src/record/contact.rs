@@ -1,5 +1,6 @@
 //! The numbers of contacts and critical states with pillars, and those that every contact has.
 
+use super::interactions;
 use super::named::{Kind, Named, Recorded};
 use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact, Solution};
 
@@ -251,6 +252,7 @@ impl Recorded for ContactState {
             Self::relative_whole_contact_radius_error,
         ));
         rows.extend(floor_errors());
+        rows.extend(interactions::rows());
         rows.extend(common());
         rows.push(iterations());
         rows
@@ -325,6 +327,7 @@ impl Recorded for CriticalState {
             )
             .in_objects(),
         );
+        rows.extend(interactions::rows());
         rows.extend(contact(common()));
         rows.extend(contact(vec![iterations()]));
         rows

@@ -1,6 +1,7 @@
 //! The numbers of cycles of loading and unloading.
 
 use super::contact::common;
+use super::interactions;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
 use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
@@ -354,6 +355,7 @@ impl Recorded for Cycle {
         rows.extend(errors!("hysteresis", |it| {
             it.certificate().map(|_| it.errors.loop_area)
         }));
+        rows.extend(interactions::rows());
         rows.extend(common());
         rows
     }

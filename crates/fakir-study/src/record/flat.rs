@@ -1,9 +1,10 @@
 //! The numbers of contacts and cycles with a flat surface.
 
 use super::contact::{common, common_of_states, load};
+use super::interactions::{self, Interacting};
 use super::loading::LoadingState;
 use super::named::{Kind, Named, Recorded};
-use fakir::problem::FlatSystem;
+use fakir::problem::{ContactAreas, FlatSystem, Interactions};
 use fakir::state::{FlatContact, FlatCycle};
 
 /// A contact with a flat surface, and its case.
@@ -85,12 +86,13 @@ impl<'a> Recorded for FlatAnswer<'a> {
                 |it: &FlatContact| it.error.contact_radius,
             ),
         ]));
+        rows.extend(interactions::rows());
         rows.extend(of_contact(common()));
         rows
     }
 }
 
-impl Recorded for LoadingState<&FlatContact> {
+impl<'a> Recorded for LoadingState<FlatAnswer<'a>> {
     const KIND: Kind = Kind::FlatLoading;
 
     fn rows() -> Vec<Named<Self>> {
@@ -120,9 +122,12 @@ impl Recorded for LoadingState<&FlatContact> {
             |it: &FlatContact| it.error.contact_radius,
         ));
         rows.extend(common_of_states());
-        rows.into_iter()
-            .map(|row| row.of_part(|it: &Self| it.answer))
-            .collect()
+        let of_contact = |row: Named<FlatContact>| {
+            row.of_part(|it: &LoadingState<FlatAnswer<'a>>| it.answer.contact)
+        };
+        let mut rows: Vec<Named<Self>> = rows.into_iter().map(of_contact).collect();
+        rows.extend(interactions::rows());
+        rows
     }
 }
 
@@ -211,7 +216,28 @@ impl Recorded for FlatCycle {
                 |it: &FlatCycle| it.loop_area.map(|_| it.loop_area_error),
             ),
         ];
+        rows.extend(interactions::rows());
         rows.extend(common());
         rows
+    }
+}
+
+impl Interacting for FlatAnswer<'_> {
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.contact.areas()
+    }
+}
+
+impl Interacting for FlatCycle {
+    fn interactions(&self) -> &Interactions {
+        &self.interactions
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.turn.areas()
     }
 }

@@ -58,7 +58,7 @@ impl Kind {
                 Kind::AsperityLoading => of::<LoadingState<AsperityAnswer<'_>>>(),
                 Kind::FlatPress => of::<FlatAnswer<'_>>(),
                 Kind::FlatCycle => of::<fakir::state::FlatCycle>(),
-                Kind::FlatLoading => of::<LoadingState<&fakir::state::FlatContact>>(),
+                Kind::FlatLoading => of::<LoadingState<FlatAnswer<'_>>>(),
             })
         });
         &ALL[self as usize]

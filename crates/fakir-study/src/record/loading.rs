@@ -2,8 +2,10 @@
 
 use super::asperities::{AsperityAnswer, largest};
 use super::contact::{common_of_states, of_floor};
+use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::surface::SurfaceAnswer;
+use fakir::problem::{ContactAreas, Interactions};
 use fakir::state::{AsperityContact, AsperityErrors, ContactState, FloorContact, SurfaceContact};
 
 /// A state of a loading.
@@ -22,6 +24,16 @@ pub struct Place {
     pub critical: bool,
     /// Whether it is past that; none where it is not known what the floor is.
     pub beyond: Option<bool>,
+}
+
+impl<A: Interacting> Interacting for LoadingState<A> {
+    fn interactions(&self) -> &Interactions {
+        self.answer.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.answer.areas()
+    }
 }
 
 impl<A> LoadingState<A> {
@@ -126,6 +138,7 @@ impl Recorded for LoadingState<&ContactState> {
             ],
         )
         .collect();
+        rows.extend(interactions::rows());
         rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
         rows.extend(contact(common_of_states()));
         rows
@@ -192,6 +205,7 @@ impl Recorded for LoadingState<SurfaceAnswer<'_, SurfaceContact>> {
             ),
         ])
         .collect();
+        rows.extend(interactions::rows());
         rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
         rows.extend(contact(common_of_states()));
         rows

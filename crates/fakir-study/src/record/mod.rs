@@ -11,6 +11,7 @@ mod contact;
 mod cycle;
 mod flat;
 mod gradient;
+pub(crate) mod interactions;
 mod kinds;
 mod limit;
 mod loading;

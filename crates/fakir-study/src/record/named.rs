@@ -66,6 +66,8 @@ pub struct Entry {
     pub optional: bool,
     /// Whether the object that it is in is `null` where this number is none.
     pub decides: bool,
+    /// Whether it belongs to a part of the case that may be left out: without that, objects and tables do not contain it.
+    pub if_given: bool,
 }
 
 /// How units are written at the end of a path, and the units. The longer ones come first.
@@ -113,6 +115,7 @@ impl<T> Named<T> {
             column: None,
             optional: false,
             decides: false,
+            if_given: false,
         };
         let value = Box::new(value);
         Self { entry, value }
@@ -245,6 +248,12 @@ impl<T> Named<T> {
     pub(super) fn decides(mut self) -> Self {
         self.entry.decides = true;
         self.always()
+    }
+
+    /// It belongs to a part of the case that may be left out; objects and tables in which it is always none do not contain it.
+    pub(super) fn if_given(mut self) -> Self {
+        self.entry.if_given = true;
+        self
     }
 
     /// Some answers have none.

@@ -98,14 +98,21 @@ impl Record {
         let mut writer = csv::Writer::from_writer(Vec::new());
         let kind = records.first().map(|record| record.kind);
         let entries = kind.map_or(&[][..], Kind::entries);
-        let names = entries
+        let is_there = |place: usize| {
+            let mut values = records.iter().map(|record| &record.values[place]);
+            !entries[place].if_given || values.any(|value| *value != Value::None)
+        };
+        let shown: Vec<usize> = (0..entries.len())
+            .filter(|place| is_there(*place))
+            .collect();
+        let names = shown
             .iter()
-            .flat_map(Entry::columns)
+            .flat_map(|place| entries[*place].columns())
             .map(|(name, _)| name);
         let mut lines = vec![names.collect::<Vec<String>>()];
         lines.extend(records.iter().map(|record| {
-            let values = std::iter::zip(entries, &record.values);
-            let cells = values.flat_map(|(entry, value)| {
+            let cells = shown.iter().flat_map(|place| {
+                let (entry, value) = (&entries[*place], &record.values[*place]);
                 let columns = entry.columns().into_iter();
                 columns.map(|(_, coordinate)| value.cell(coordinate))
             });

@@ -60,7 +60,10 @@ impl Object {
                 Node::Group(Self::tree(&inner))
             }
         };
+        let is_left_out =
+            |(_, entry, value): &(&str, &Entry, &Value)| entry.if_given && **value == Value::None;
         let groups = groups(pairs, |(path, ..)| path).into_iter();
+        let groups = groups.filter(|(_, group)| !group.iter().all(is_left_out));
         Self(groups.map(|(name, group)| (name, node(group))).collect())
     }
 

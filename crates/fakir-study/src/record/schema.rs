@@ -167,7 +167,16 @@ fn of_group(entries: &[(&str, &Entry)]) -> Value {
         };
         properties.insert(name, value);
     }
-    let required: Vec<&String> = properties.keys().collect();
+    let may_be_left_out = |name: &String| {
+        let first = |path: &str| path.split('.').next() == Some(name);
+        let mut own = entries.iter().filter(|(path, _)| first(path));
+        own.all(|(_, entry)| entry.if_given)
+    };
+    let is_inside = entries.iter().all(|(_, entry)| entry.if_given);
+    let names = properties.keys();
+    let required: Vec<&String> = names
+        .filter(|name| is_inside || !may_be_left_out(name))
+        .collect();
     json!({
         "type": "object",
         "required": required,

@@ -1,9 +1,12 @@
 //! The numbers of contacts and critical states with height maps.
 
 use super::contact::{common, critical_load, load};
+use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
-use fakir::problem::{Boundary, Grid, Indenter, ShapedLens, SurfaceSystem};
+use fakir::problem::{
+    Boundary, ContactAreas, Grid, Indenter, Interactions, ShapedLens, SurfaceSystem,
+};
 use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
 
 /// An answer about a height map, and its case.
@@ -199,6 +202,7 @@ impl Recorded for SurfaceAnswer<'_, SurfaceContact> {
         ]));
         rows.extend(contact(vec![area(), radius]));
         rows.extend(question(|it: &SurfaceContact| &it.grid));
+        rows.extend(interactions::rows());
         rows.extend(contact(solution()));
         rows
     }
@@ -219,7 +223,28 @@ impl Recorded for SurfaceAnswer<'_, SurfaceTransition> {
         rows.extend([regime, force, indentation, older, floor]);
         rows.extend(contact(vec![area(), radius]));
         rows.extend(question(|it: &SurfaceTransition| &it.contact.grid));
+        rows.extend(interactions::rows());
         rows.extend(contact(solution()));
         rows
+    }
+}
+
+impl Interacting for SurfaceAnswer<'_, SurfaceContact> {
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.answer.areas()
+    }
+}
+
+impl Interacting for SurfaceAnswer<'_, SurfaceTransition> {
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.answer.contact.areas()
     }
 }

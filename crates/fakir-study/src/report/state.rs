@@ -2,7 +2,7 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
-use crate::record::GradientObject;
+use crate::record::{GradientObject, Record, interactions};
 use fakir::Difference;
 use fakir::problem::{
     Adhesion, Arrangement, Base, Disorder, FlatSystem, Layer, LensShape, LoadingMode, Method,
@@ -510,6 +510,23 @@ impl QuantityList {
             &format!("{symbol}^2"),
             remark,
         )
+    }
+
+    /// What interactions add to an answer.
+    pub(crate) fn interactions(&mut self, record: &Record) -> &mut Self {
+        for line in interactions::lines(record) {
+            let known = line.relative_error.map_or(LENGTH_DIGITS, digits);
+            let error = line.relative_error.map_or(String::new(), error_remark);
+            let remark = alone(&(line.remark + &error));
+            match (line.value, line.dimension) {
+                (None, _) => self.row(line.name, "-".to_owned(), "", &remark),
+                (Some(area), None) => self.area(line.name, area, known, &remark),
+                (Some(value), Some(dimension)) => {
+                    self.quantity(line.name, value, dimension, known, remark)
+                }
+            };
+        }
+        self
     }
 
     /// Number of pillars in contact.

@@ -1,5 +1,6 @@
 //! Pillars with rounded tops.
 
+use super::interactions::Interactions;
 use super::lens::Material;
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -63,6 +64,7 @@ pub struct AsperityArray {
     indenter: Indenter,
     substrate: Material,
     asperities: Vec<Asperity>,
+    interactions: Interactions,
 }
 
 /// The reason why an array of asperities is invalid.
@@ -136,7 +138,25 @@ impl AsperityArray {
             indenter,
             substrate,
             asperities,
+            interactions: Interactions::NONE,
         })
+    }
+
+    /// The same array with interactions that do not change the normal contact.
+    ///
+    /// # Errors
+    /// Shear stresses must be zero or positive, and finite.
+    pub fn with_interactions(self, interactions: Interactions) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            interactions: interactions.checked()?,
+            ..self
+        })
+    }
+
+    /// The interactions that do not change the normal contact.
+    #[must_use]
+    pub fn interactions(&self) -> &Interactions {
+        &self.interactions
     }
 
     /// The body that is pressed onto the asperities.

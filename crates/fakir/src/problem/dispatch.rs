@@ -93,6 +93,8 @@ listed! {
         AdhesiveTops,
         /// The floor is adhesive too.
         AdhesiveFloor,
+        /// An interaction that does not change the normal contact acts on the floor.
+        FloorInteraction,
     } and {
         /// The lens is not a sphere.
         Lens(LensForm),
@@ -176,6 +178,7 @@ impl Feature {
             Self::IgnoredFloor => floor == FloorModel::Ignored,
             Self::AdhesiveTops => is_adhesive,
             Self::AdhesiveFloor => system.adhesion().floor && floor != FloorModel::Ignored,
+            Self::FloorInteraction => system.interactions().act_on_floor(),
         };
         Self::ALL.into_iter().filter(has).collect()
     }
@@ -268,6 +271,7 @@ const LAYER: &[Feature] = &[Feature::Layer];
 const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
 const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
 const ELASTIC: &[Feature] = &[Feature::ElasticPillars];
+const FLOOR_INTERACTION: &[Feature] = &[Feature::FloorInteraction];
 
 /// The table. The first row that applies determines the reason.
 static RULES: &[Rule] = &[
@@ -284,6 +288,20 @@ static RULES: &[Rule] = &[
         &[&[Feature::Lens(LensForm::Punch)]],
         "a flat punch is supported on a flat surface only",
         "use a plate, which covers all pillars, or leave the pillars out",
+    ),
+    rule(
+        ANY,
+        ASPERITIES,
+        &[FLOOR_INTERACTION],
+        "floor contact is not computed under rounded tops, so that a shear stress on the floor has no area",
+        "leave it out: the shear stress on the tops is used",
+    ),
+    rule(
+        ANY,
+        FLAT,
+        &[FLOOR_INTERACTION],
+        "a flat surface has no floor",
+        "leave it out: the shear stress on the tops acts on the whole contact",
     ),
     // Pillars with flat tops.
     rule(

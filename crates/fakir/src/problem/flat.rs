@@ -1,6 +1,7 @@
 //! A lens or a flat punch on a flat surface.
 
 use super::adhesion::Adhesion;
+use super::interactions::Interactions;
 use super::layer::Layer;
 use super::lens::{LensShape, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -56,6 +57,7 @@ pub struct FlatSystem {
     /// The substrate and the lens as layers.
     layers: [Option<Layer>; 2],
     adhesion: Adhesion,
+    interactions: Interactions,
 }
 
 impl FlatSystem {
@@ -97,6 +99,7 @@ impl FlatSystem {
             substrate,
             layers: [None; 2],
             adhesion: Adhesion::NONE,
+            interactions: Interactions::NONE,
         })
     }
 
@@ -120,6 +123,23 @@ impl FlatSystem {
             layers: [substrate, lens],
             ..self
         })
+    }
+
+    /// The same system with interactions that do not change the normal contact.
+    ///
+    /// # Errors
+    /// Shear stresses must be zero or positive, and finite.
+    pub fn with_interactions(self, interactions: Interactions) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            interactions: interactions.checked()?,
+            ..self
+        })
+    }
+
+    /// The interactions that do not change the normal contact.
+    #[must_use]
+    pub fn interactions(&self) -> &Interactions {
+        &self.interactions
     }
 
     /// The same system with adhesion. [`Adhesion::floor`] has no meaning here.

@@ -101,6 +101,10 @@ pub enum Quantity {
     StripWidth,
     /// Radius of the bonded floor region, m.
     FrontRadius,
+    /// Shear stress on pillar tops, Pa.
+    ShearStressTops,
+    /// Shear stress on the floor, Pa.
+    ShearStressFloor,
 }
 
 impl fmt::Display for Quantity {
@@ -152,6 +156,8 @@ impl fmt::Display for Quantity {
             Self::CellArea => "area of a cell",
             Self::StripWidth => "width of a strip",
             Self::FrontRadius => "radius of the front",
+            Self::ShearStressTops => "shear stress on the tops",
+            Self::ShearStressFloor => "shear stress on the floor",
         })
     }
 }
@@ -193,6 +199,8 @@ pub const LARGEST_TILT: f64 = 0.175;
 pub enum Requirement {
     /// A finite number above zero.
     Positive,
+    /// Zero or a finite number above.
+    ZeroOrPositive,
     /// A force, N: zero, or a finite number not below this one.
     ZeroOrForce(f64),
     /// An indentation, m: zero, or a finite number not below this one.
@@ -259,6 +267,7 @@ impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Positive => f.write_str("a finite number greater than 0"),
+            Self::ZeroOrPositive => f.write_str("a finite number, 0 or greater"),
             Self::ZeroOrForce(smallest) => {
                 write!(f, "0, or a finite number and at least {smallest:.2e} N")
             }
@@ -338,6 +347,7 @@ impl Requirement {
         let accepted = value.is_finite()
             && match self {
                 Self::Positive => value > 0.0,
+                Self::ZeroOrPositive => value >= 0.0,
                 Self::ZeroOrForce(smallest)
                 | Self::ZeroOrIndentation(smallest)
                 | Self::ZeroOrWork(smallest) => value == 0.0 || value >= smallest,

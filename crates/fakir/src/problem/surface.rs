@@ -1,6 +1,7 @@
 //! A lens or a plate above any surface.
 
 use super::height_map::HeightMap;
+use super::interactions::Interactions;
 use super::layer::{Layer, WeightedLayer};
 use super::lens::{Lens, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -125,6 +126,7 @@ pub struct SurfaceSystem {
     round_tops: Vec<f64>,
     continued: bool,
     floor: Option<Floor>,
+    interactions: Interactions,
 }
 
 impl SurfaceSystem {
@@ -152,6 +154,7 @@ impl SurfaceSystem {
             round_tops: Vec::new(),
             continued: false,
             floor: None,
+            interactions: Interactions::NONE,
         })
     }
 
@@ -207,6 +210,23 @@ impl SurfaceSystem {
             continued: true,
             ..self
         }
+    }
+
+    /// The same system with interactions that do not change the normal contact.
+    ///
+    /// # Errors
+    /// Shear stresses must be zero or positive, and finite.
+    pub fn with_interactions(self, interactions: Interactions) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            interactions: interactions.checked()?,
+            ..self
+        })
+    }
+
+    /// The interactions that do not change the normal contact.
+    #[must_use]
+    pub fn interactions(&self) -> &Interactions {
+        &self.interactions
     }
 
     /// The same system with a definition of the floor, which is used for the fractions of the load and for the

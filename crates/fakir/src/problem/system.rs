@@ -3,6 +3,7 @@
 use super::adhesion::Adhesion;
 use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
+use super::interactions::Interactions;
 use super::lattice::HexagonalLattice;
 use super::layer::{Base, Layer, WeightedLayer};
 use super::lens::{Material, ShapedLens};
@@ -67,6 +68,7 @@ pub struct System {
     leaning: bool,
     /// The substrate and the lens as layers.
     layers: [Option<Layer>; 2],
+    interactions: Interactions,
 }
 
 /// Treatment of the floor between the pillars when the lens reaches it.
@@ -119,6 +121,7 @@ impl System {
             adhesion: Adhesion::NONE,
             leaning: true,
             layers: [None; 2],
+            interactions: Interactions::NONE,
         };
         let law = system.column_law();
         for times in system
@@ -128,6 +131,23 @@ impl System {
             law.check(times)?;
         }
         Ok(system)
+    }
+
+    /// The same system with interactions that do not change the normal contact.
+    ///
+    /// # Errors
+    /// Shear stresses must be zero or positive, and finite.
+    pub fn with_interactions(self, interactions: Interactions) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            interactions: interactions.checked()?,
+            ..self
+        })
+    }
+
+    /// The interactions that do not change the normal contact.
+    #[must_use]
+    pub fn interactions(&self) -> &Interactions {
+        &self.interactions
     }
 
     /// The same system with bodies of finite thickness, in the order substrate, lens; those without a layer are half-spaces. Indentations

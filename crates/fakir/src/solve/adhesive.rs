@@ -17,7 +17,7 @@ use crate::problem::{
     UnloadingPoint,
 };
 use crate::state::contact::contact_warnings;
-use crate::state::fields::{BondedRegion, Disc};
+use crate::state::fields::{BondedRegion, Disc, FRONT_PLACE_ERROR};
 use crate::state::limit::LARGEST_STRAIN;
 use crate::state::{
     AdhesiveFloorErrors, Branch, ContactState, CriticalState, Cycle, CycleError, CycleErrors,
@@ -72,9 +72,6 @@ const FIRST_WINDOW: f64 = 1.5;
 
 /// Relative error of the linear solver and of the overshoot past events.
 const SOLVER_ERROR: f64 = 1e-6;
-
-/// Position error of a front on its top, in pillar radii: half a level.
-const FRONT_PLACE_ERROR: f64 = 0.0625;
 
 /// Computes the contact at a prescribed load on the loading branch, which starts at first contact.
 pub(crate) fn press(

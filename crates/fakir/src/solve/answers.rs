@@ -21,14 +21,14 @@ use crate::numerics::workers::CancelToken;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar, PillarBody, PillarField};
 use crate::problem::scaled::{RISING, Scene};
-use crate::problem::{Accuracy, FloorModel, LensProfile, Load, PunchForm, System};
+use crate::problem::{Accuracy, Area, FloorModel, LensProfile, Load, PunchForm, System};
 use crate::state::contact::contact_warnings;
 use crate::state::fields::Disc;
 use crate::state::{
     ContactState, ErrorEstimate, Fields, PillarState, PillarStatus, Run, SolveError, Termination,
     Warning,
 };
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 /// Relative error stated for a contact inside one pillar top.
@@ -624,7 +624,25 @@ fn elements(
         .filter(|pillar| pillar.status == PillarStatus::Partial)
         .count();
     let indentation = contact.indentation;
+    let cells_per_diameter = match method {
+        PillarMethod::Love(mesh) => mesh.cells_per_diameter as f64,
+        PillarMethod::Spectral(_) | PillarMethod::Punch(_) => 1.0,
+    };
+    let [area, area_error] = touched.iter().fold([0.0; 2], |[area, error], pillar| {
+        let square = pillar.pillar.body.radius.powi(2);
+        // On a top that the edge crosses, half a cell along at most a diameter.
+        let cells = f64::from(pillar.status == PillarStatus::Partial) / cells_per_diameter;
+        [
+            area + PI * pillar.covered * square,
+            error + 2.0 * cells * square,
+        ]
+    });
+    let unit = scene.length * scene.length;
     let state = ContactState {
+        top_area: Some(Area {
+            value: area * unit,
+            error: Some(area_error * unit),
+        }),
         force: contact.force * scene.force(),
         contact_radius: contact_radius * scene.length,
         contact_radius_error: radius_error * scene.length,

@@ -873,6 +873,7 @@ impl<'a, 'b> Path<'a, 'b> {
             work_of_separation: self.closed(&plan, 1).map(|_| pulled(&self.steps)),
             loop_area: area,
             loop_area_error: away,
+            interactions: *bench.system.interactions(),
             load_steps: self.steps,
             plan,
         })

@@ -8,7 +8,7 @@ use super::newton::Newton;
 use super::rules::unilateral::{LocalSolver, PillarTop};
 use super::touched::TouchedPillar;
 use crate::halfspace::disc::basis::{BasisEvaluator, degree_with};
-use crate::halfspace::disc::covered::{CoverFinder, Region};
+use crate::halfspace::disc::covered::{CoverFinder, Region, edge_error};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::numerics::vector::{dot, subtract};
 use crate::problem::PunchForm;
@@ -21,10 +21,6 @@ const FINE_DEGREE: usize = 12;
 
 /// Number of candidates that are solved again.
 const CANDIDATES: usize = 3;
-
-/// Position error of the contact edge on one pillar top by degree of the nodes, in pillar radii: the largest differences from boundary
-/// elements of a 192nd of the diameter over 150 random loads.
-const EDGE_ERROR: [(usize, f64); 3] = [(8, 0.12), (12, 0.06), (usize::MAX, 0.04)];
 
 /// Error of a rim that lifts off between two nodes, in pillar radii.
 const LIFT_OFF: f64 = 0.02;
@@ -120,11 +116,6 @@ pub(super) fn contact_reach(
 fn distance_of(pillar: &TouchedPillar) -> f64 {
     let [x, y] = pillar.disc.centre;
     x.hypot(y)
-}
-
-fn edge_error(degree: usize) -> f64 {
-    let known = EDGE_ERROR.iter().find(|(most, _)| degree <= *most);
-    known.map_or(1.0, |(_, error)| *error)
 }
 
 /// The rim of a fully touched pillar is exact unless it is about to lift off.

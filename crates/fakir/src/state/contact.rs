@@ -4,7 +4,7 @@ use super::fields::Fields;
 use super::floor_contact::{FloorContact, FloorErrors};
 use super::limit::DOUBTFUL_CONTACT;
 use super::resolution::{LARGEST_ERROR, Remedy, Unresolved};
-use crate::problem::{Accuracy, Method, Point, System};
+use crate::problem::{Accuracy, Area, Method, Point, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -216,6 +216,9 @@ pub struct ContactState {
     pub pillars_partially_in_contact: usize,
     /// The pillars in contact, by increasing distance from the lens axis. Empty for methods that do not resolve pillars.
     pub pillars: Vec<PillarState>,
+    /// Area in contact on pillar tops, of methods that do not resolve the edge of the contact on each; `None` for the others, whose
+    /// [`areas`](Self::areas) follow from the fields.
+    pub top_area: Option<Area>,
     /// The floor contact; `None` if the floor is not touched or its contact is ignored.
     pub floor: Option<FloorContact>,
     /// Smallest gap between lens and floor, m; zero if the floor is in contact. Negative past the transition if floor contact is ignored:
@@ -249,6 +252,7 @@ impl ContactState {
             pillars_in_contact: 0,
             pillars_partially_in_contact: 0,
             pillars: Vec::new(),
+            top_area: None,
             floor: None,
             smallest_floor_gap: system.pillar().height - indentation,
             smallest_gap_position: [0.0, 0.0],

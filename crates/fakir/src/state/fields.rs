@@ -3,18 +3,24 @@
 use crate::halfspace::disc::basis::{
     BasisEvaluator, TILT_COMPLIANCE, TILT_MODE, UNIT_FORCE, compliances, degree_with, turn,
 };
-use crate::halfspace::disc::covered::{CoverFinder, CoveredPart};
+use crate::halfspace::disc::covered::{CoverFinder, CoveredPart, edge_error};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::vector::{LANES, Lanes};
-use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::problem::pillar_field::{IndexedPillar, ListedPillar};
 use crate::problem::point::turned;
 use crate::problem::scaled::Scene;
+use crate::problem::{Area, Point};
 use std::collections::HashMap;
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
+
+/// Position error of a front on its top, in pillar radii: half a level.
+pub(crate) const FRONT_PLACE_ERROR: f64 = 0.0625;
+
+/// Area of a region in contact that is too small to be found, in squares of the radius of its top.
+const SMALL_REGION: f64 = 0.1;
 
 /// Distance from a partially covered pillar (pillar radii) within which all its modes are evaluated; beyond it, only the modes through
 /// which pillars interact.
@@ -63,9 +69,13 @@ impl Front {
         along < self.place - self.curvature * across * across
     }
 
-    /// The outline of the region behind the front, a polygon of about this number of corners, in radii of the disc from its centre: half of
-    /// them along the rim, half along the front.
-    fn outline(&self, corners: usize) -> Vec<Point> {
+    /// Length of the front between its ends on the rim, as a straight line, in radii of the disc.
+    fn length(&self) -> f64 {
+        2.0 * self.end().sin()
+    }
+
+    /// Angle from its direction to its ends on the rim, rad.
+    fn end(&self) -> f64 {
         let (place, curvature) = (self.place, self.curvature);
         // The front meets the rim, `place - curvature y^2 = x`, at `y^2 = 1 - x^2`.
         let meeting = if curvature == 0.0 {
@@ -73,7 +83,14 @@ impl Front {
         } else {
             (1.0 - (1.0 - 4.0 * curvature * (place - curvature)).sqrt()) / (2.0 * curvature)
         };
-        let end = meeting.clamp(-1.0, 1.0).acos();
+        meeting.clamp(-1.0, 1.0).acos()
+    }
+
+    /// The outline of the region behind the front, a polygon of about this number of corners, in radii of the disc from its centre: half of
+    /// them along the rim, half along the front.
+    fn outline(&self, corners: usize) -> Vec<Point> {
+        let (place, curvature) = (self.place, self.curvature);
+        let end = self.end();
         let half = (corners / 2).max(2);
         let part = |k: usize| k as f64 / half as f64;
         let rim = (0..=half).map(|k| {
@@ -434,6 +451,46 @@ impl Fields {
                 .metres([centre_x + disc.radius * x, centre_y + disc.radius * y])
         };
         outline.into_iter().map(place).collect()
+    }
+
+    /// Area in contact on all pillar tops, m^2.
+    pub(crate) fn top_area(&self) -> Area {
+        let [mut value, mut error] = [0.0; 2];
+        for (k, disc) in self.discs.iter().enumerate() {
+            let square = disc.radius * disc.radius;
+            let [own, uncertain] = match (&disc.bonded, &disc.gap) {
+                (Some(BondedRegion::Before(front)), _) => [
+                    square * front.area,
+                    square * FRONT_PLACE_ERROR * front.length(),
+                ],
+                (_, None) => [square * PI, 0.0],
+                (_, Some(_)) => {
+                    let covered = self.covered.get_or_init(|| self.covered_parts());
+                    match &covered[k] {
+                        Some(part) => {
+                            let [own, length] = part.region.area_and_edge();
+                            let place = match &disc.rim_contact {
+                                Some(edge) => edge.error / disc.radius,
+                                None => edge_error(self.degree_of(disc)),
+                            };
+                            // A region cannot be smaller than nothing.
+                            [
+                                square * own,
+                                square * (place * length).min(own.max(SMALL_REGION)),
+                            ]
+                        }
+                        None => [0.0, square * SMALL_REGION],
+                    }
+                }
+            };
+            value += own;
+            error += uncertain;
+        }
+        let unit = self.scene.length * self.scene.length;
+        Area {
+            value: unit * value,
+            error: Some(unit * error),
+        }
     }
 
     fn covered_parts(&self) -> Vec<Option<CoveredPart>> {

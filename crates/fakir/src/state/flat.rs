@@ -5,7 +5,7 @@ use super::contact::{Termination, Warning};
 use super::cycle::Branch;
 use super::error::SolveError;
 use super::resolution::{Remedy, Unresolved};
-use crate::problem::CyclePlan;
+use crate::problem::{CyclePlan, Interactions};
 
 /// Estimated relative errors of a contact with a flat surface, from a solution with more points. On half-spaces under a sphere or a paraboloid they are
 /// rounding errors.
@@ -115,6 +115,8 @@ pub struct FlatLoadStep {
 pub struct FlatCycle {
     /// What was prescribed.
     pub plan: CyclePlan,
+    /// Interactions of the system that do not change the normal contact.
+    pub interactions: Interactions,
     /// The curve of force over indentation in its order.
     pub load_steps: Vec<FlatLoadStep>,
     /// The contact right after the jump into contact.

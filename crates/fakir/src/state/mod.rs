@@ -5,6 +5,7 @@
 //! level with the pillar tops. The gap to the floor between the pillars is `Delta = f + w - zeta`; the *critical state* is the smallest
 //! indentation at which it vanishes somewhere.
 
+mod areas;
 pub(crate) mod asperity_contact;
 mod cell_means;
 pub(crate) mod checked;

@@ -6,6 +6,7 @@ use super::cycle::Cycle;
 use super::flat::{FlatContact, FlatCycle};
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
+use crate::problem::ContactAreas;
 
 /// A solution of any kind: contacts and cycles. Decides whether it is a valid result.
 pub trait Solution {
@@ -46,6 +47,8 @@ pub trait Contact: Solution {
     fn contact_radius(&self) -> Option<f64>;
     /// Validity warnings.
     fn warnings(&self) -> &[Warning];
+    /// Areas in contact, on which interactions act.
+    fn areas(&self) -> ContactAreas;
 }
 
 impl Solution for ContactState {
@@ -124,6 +127,10 @@ impl Contact for ContactState {
     fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
+
+    fn areas(&self) -> ContactAreas {
+        ContactState::areas(self)
+    }
 }
 
 impl Contact for SurfaceContact {
@@ -141,6 +148,10 @@ impl Contact for SurfaceContact {
 
     fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    fn areas(&self) -> ContactAreas {
+        SurfaceContact::areas(self)
     }
 }
 
@@ -160,6 +171,10 @@ impl Contact for AsperityContact {
     fn warnings(&self) -> &[Warning] {
         &[]
     }
+
+    fn areas(&self) -> ContactAreas {
+        AsperityContact::areas(self)
+    }
 }
 
 impl Contact for FlatContact {
@@ -177,5 +192,9 @@ impl Contact for FlatContact {
 
     fn warnings(&self) -> &[Warning] {
         &self.warnings
+    }
+
+    fn areas(&self) -> ContactAreas {
+        FlatContact::areas(self)
     }
 }

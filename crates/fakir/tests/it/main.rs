@@ -12,6 +12,7 @@ mod elastic_pillars;
 mod estimates;
 mod flat;
 mod inside_tops;
+mod interactions;
 mod layers;
 mod lenses;
 mod limits;

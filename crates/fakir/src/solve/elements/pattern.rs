@@ -204,6 +204,7 @@ fn state(
     let loaded = !floor.cells.is_empty();
     let (gap, position) = contact.nearest_floor.unwrap_or((f64::INFINITY, [0.0; 2]));
     ContactState {
+        top_area: Some(contact.areas().tops),
         indentation: contact.indentation,
         force: contact.force,
         contact_radius: farthest(true),

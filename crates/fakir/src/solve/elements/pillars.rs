@@ -579,6 +579,8 @@ pub(crate) struct TouchedPillar {
     pub(crate) index: (i64, i64),
     pub(crate) pillar: ListedPillar,
     pub(crate) status: PillarStatus,
+    /// Fraction of its cells in contact.
+    pub(crate) covered: f64,
     pub(crate) force: f64,
     /// Pressure of the cell at the centre, or of those around it.
     pub(crate) centre_pressure: f64,
@@ -703,6 +705,7 @@ impl ElementSolution<'_> {
                     } else {
                         PillarStatus::Partial
                     },
+                    covered: tally.loaded as f64 / tally.cells as f64,
                     force: area * tally.pressure,
                     centre_pressure: tally.central[0] / tally.central[1].max(1.0) / (scale * scale),
                     reach: if full {

@@ -8,7 +8,7 @@ use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::{Judgement, judge, larger, within};
 use crate::numerics::roots;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::{Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System, Unsupported};
+use crate::problem::{Area, Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System, Unsupported};
 use crate::state::contact::contact_warnings;
 use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
 use crate::theory::closed_forms::TransitionEstimate;
@@ -302,7 +302,13 @@ fn solve(
     let central_force = contact.central_pressure * cell;
     let gap = 1.0 - central_force / lattice.critical_central_force;
     let pillars = PI * contact.radius * contact.radius / cell;
+    let top = pillars * 0.25 * PI * system.pillar().diameter.powi(2);
     Ok(ContactState {
+        // A ring of half a pitch may be in contact or not.
+        top_area: Some(Area {
+            value: top,
+            error: Some(top * (system.pitch() / contact.radius).min(1.0)),
+        }),
         indentation: contact.indentation,
         force: contact.force,
         contact_radius: contact.radius,
