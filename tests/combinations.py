@@ -75,6 +75,11 @@ class Case:
         return self.arrangement in ("finite", "listed", "unequal") or self.physics == "rounded"
 
     @property
+    def rise(self) -> float:
+        """By how much the first contact may be above the level from which indentations are measured."""
+        return 2 * self.pitch * math.tan(self.tilt) if self.lens == "plate" else 0.0
+
+    @property
     def name(self) -> str:
         return ", ".join([self.question, self.lens, self.arrangement, self.physics])
 
@@ -321,10 +326,10 @@ class Checks:
         command, *options = asked(case, load)
         return run(self.fakir, [command, str(written(case, folder)), *options])
 
-    def compare(self, check: str, one: float, other: float, allowed: float) -> None:
-        """Two values of a number, with the sum of their relative errors."""
+    def compare(self, check: str, one: float, other: float, allowed: float, least: float = 0.0) -> None:
+        """Two values of a number, with the sum of their errors relative to them or to a least value."""
         self.compared += 1
-        scale = max(abs(one), abs(other))
+        scale = max(abs(one), abs(other), least)
         if scale > 0 and not abs(one - other) <= (allowed + ROUNDING) * scale:
             self.lines.append(f"{check}: {one!r} and {other!r} differ by {abs(one - other) / scale:.2e}, allowed {allowed:.2e}")
 
@@ -336,7 +341,9 @@ class Checks:
             if name in values and name in others:
                 # An error of the prescribed number is one of the other.
                 both = max(errors.values()) + max(other_errors.values())
-                self.compare(f"{check}, {name}", values[name] * factor, others[name], both)
+                # The error of an indentation is relative to the depth below the first contact, which may be above zero.
+                least = self.case.rise * factor if name == "indentation" else 0.0
+                self.compare(f"{check}, {name}", values[name] * factor, others[name], both, least)
 
     def cycles(self, check: str, one: dict[str, Any], other: dict[str, Any], factors: tuple[float, float]) -> None:
         """Two cycles: pull-off force and hysteresis."""

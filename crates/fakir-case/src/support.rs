@@ -286,7 +286,9 @@ mod tests {
         let press = "| `press` | yes | yes | yes | yes | yes | yes |";
         assert!(table.contains(press), "{table}");
         assert!(
-            table.contains("| lens or substrate of finite thickness and adhesive floor |"),
+            table.contains(
+                "| pillars of several diameters and lens or substrate of finite thickness |"
+            ),
             "{table}"
         );
     }

@@ -278,6 +278,9 @@ mod tests {
         let case = file.case().unwrap();
         let plan = CyclePlan::default();
         let mut cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();
+        // As if its floor were adhesive.
+        let adhesion = case.system.adhesion().with_floor();
+        cycle.system = cycle.system.with_adhesion(adhesion).unwrap();
         let area = 4e-12;
         let place = cycle.stations.len() / 2;
         cycle.stations[place].floor = Some(HeldFloor {

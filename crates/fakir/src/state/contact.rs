@@ -70,7 +70,8 @@ impl PillarState {
 pub struct ErrorEstimate {
     /// Relative error of the force.
     pub force: f64,
-    /// Relative error of the indentation.
+    /// Relative error of the indentation: relative to the depth below the first contact if that is larger, as under a tilted plate or on
+    /// pillars that are higher than the common height.
     pub indentation: f64,
 }
 
