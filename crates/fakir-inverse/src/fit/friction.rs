@@ -31,7 +31,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// Number of loads of the curve of the model.
-const CURVE: usize = 40;
+const CURVE: usize = 16;
 
 /// Shear stress (Pa) of the cases that are solved for their areas, if they have none.
 const SOME_STRESS: f64 = 1.0;
