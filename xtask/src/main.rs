@@ -8,6 +8,7 @@ mod browser;
 mod campaign;
 mod instructions;
 mod package;
+mod page;
 mod passed;
 mod python;
 mod release;
@@ -129,6 +130,7 @@ fn main() -> ExitCode {
         }
         ["book"] => run_one(&cargo(), "book", book::check),
         ["book", "--update"] => run_one(&cargo(), "book", book::update),
+        ["page"] => run_one(&cargo(), "page", |cargo| page::build(cargo).map(drop)),
         ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|check| check.tier == Tier::First),
         ["test", "all"] => run_checks(|_| true),
@@ -152,6 +154,7 @@ fn main() -> ExitCode {
                  cargo xtask test times             every test with its processor time, slowest first\n       \
                  cargo xtask book [--update]        the manual, in target/book; --update rewrites the pages to\n       \
                                                     what their commands print\n       \
+                 cargo xtask page                   the page without a server, in target/fakir-page\n       \
                  cargo xtask package                packages, builds, installs and tries what is published\n       \
                  cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
