@@ -316,6 +316,18 @@ function decadeTicks([low, high], space) {
 }
 
 /**
+ * The smallest and the largest value.
+ * @param {readonly number[]} values
+ * @returns {Place}
+ */
+export function extremes(values) {
+  return values.reduce(
+    /** @returns {Place} */ ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
+    /** @type {Place} */ ([Infinity, -Infinity]),
+  );
+}
+
+/**
  * The range of the positive values, with a margin around them.
  * @param {readonly number[]} values
  * @param {number} [space]

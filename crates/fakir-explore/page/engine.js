@@ -347,6 +347,39 @@
  * @property {readonly CurveStation[]} [curve]
  * @property {SolvedCycle} [cycle]
  * @property {StationState} [station]
+ * @property {Measured} [measured]
+ * @property {Fitted} [fitted]
+ */
+
+/**
+ * A measured curve as it was read.
+ * @typedef {object} Measured
+ * @property {string} name
+ * @property {"displacement" | "indentation"} position Kind of the position: a displacement includes the contact point.
+ * @property {readonly number[]} position_m
+ * @property {readonly number[]} force_N
+ * @property {readonly boolean[]} unloading
+ * @property {readonly string[]} notes How the columns were understood.
+ */
+
+/**
+ * A fit of the measured curve.
+ * @typedef {object} Fitted
+ * @property {{ converged: boolean, wall_time_s: number }} summary As `fakir fit --json` prints it.
+ * @property {readonly FittedValue[]} estimates
+ * @property {number} contact_point_m
+ * @property {readonly Point[]} curve
+ * @property {readonly Point[]} residuals
+ * @property {readonly string[]} warnings
+ */
+
+/**
+ * A fitted parameter, in SI units.
+ * @typedef {object} FittedValue
+ * @property {string} name
+ * @property {boolean} is_key
+ * @property {number} value
+ * @property {number | null} standard_error
  */
 
 /**
@@ -388,16 +421,21 @@
 /** @typedef {"contact" | Background} Kind */
 
 /**
+ * Kinds of questions of which only the newest is answered.
+ * @typedef {Kind | "export" | "fit"} Asked
+ */
+
+/**
  * Names of requests: with adhesion `cycle` replaces `contact`.
- * @typedef {Kind | "cycle" | "export"} ApiPath
+ * @typedef {Kind | "cycle" | "export" | "fit"} ApiPath
  */
 
 /**
  * Computes answers: the server of this page, or a module in a Web Worker.
  * @typedef {object} Engine
  * @property {() => Promise<Start>} start The initial data of the page.
- * @property {(kind: Kind | "export") => void} cancel Cancels a question.
- * @property {(kind: Kind, path: ApiPath, question: object, listen: (line: Line) => void) => Promise<boolean>} ask Sends
+ * @property {(kind: Asked) => void} cancel Cancels a question.
+ * @property {(kind: Asked, path: ApiPath, question: object, listen: (line: Line) => void) => Promise<boolean>} ask Sends
  *   a question, and calls `listen` with each line of the answer. The result is false if a newer question replaced it.
  * @property {(question: object) => Promise<Blob | null>} file Requests a file; null if another was requested in the
  *   meantime.

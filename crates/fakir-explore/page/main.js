@@ -5,6 +5,7 @@ import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { lecture } from "./lecture.js";
+import { drawMeasured, measure } from "./measured.js";
 import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
 import { Module } from "./module.js";
 import { engineeringText, withPrefixes, write } from "./numbers.js";
@@ -194,11 +195,18 @@ function show(store) {
   );
   screen.add(
     (state) => [
+      ...[state.measured, state.contactPoint],
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
     drawLoading,
     [loading, pull],
+  );
+  const residuals = byId("residuals");
+  screen.add(
+    (state) => [state.measured, state.contactPoint, state.dataWords, state.phase, state.cycle],
+    drawMeasured,
+    [residuals],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
@@ -303,6 +311,7 @@ function listen(store, engine) {
   rememberInAddress(store);
   explainFocus(store.state.start.keys);
   lecture(store);
+  measure(store, engine);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));

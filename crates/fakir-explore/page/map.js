@@ -334,7 +334,7 @@ function drawAxes(context, side, scale, ratio) {
       context.fillRect(at - 0.5 * ratio, side - 0.45 * size, ratio, 0.45 * size);
     }
     const up = side - at;
-    if (up > size && up < side - 2.4 * size) {
+    if (up > 2.6 * size && up < side - 2.4 * size) {
       label(context, words, 0.7 * size, up + 0.28 * size, width, size);
       context.fillRect(0, up - 0.5 * ratio, 0.45 * size, ratio);
     }

@@ -5,12 +5,12 @@
 
 import { Refused } from "./engine.js";
 
-/** @import { ApiPath, Engine, Kind, Line, Start } from "./engine.js" */
+/** @import { ApiPath, Asked, Engine, Line, Start } from "./engine.js" */
 
 /**
  * A question that waits or is being answered.
  * @typedef {object} Job
- * @property {Kind | "export"} kind
+ * @property {Asked} kind
  * @property {string} request Name of the request, a line feed, and its JSON.
  * @property {(line: Line) => void} listen
  * @property {(answer: Blob | boolean | null) => void} resolve
@@ -61,8 +61,8 @@ export class Module {
   /** @type {Promise<Worker> | null} */
   #spare = null;
   #source = URL.createObjectURL(new Blob([contents("worker-source")], { type: "text/javascript" }));
-  /** @type {Record<"contact" | "background" | "export", Place>} */
-  #places = { contact: place(), background: place(), export: place() };
+  /** @type {Record<"contact" | "background" | "export" | "fit", Place>} */
+  #places = { contact: place(), background: place(), export: place(), fit: place() };
   /** @type {Map<string, readonly Line[]>} */
   #known = new Map();
   #sequence = 0;
@@ -84,7 +84,7 @@ export class Module {
 
   /**
    * Cancels a question.
-   * @param {Kind | "export"} kind
+   * @param {Asked} kind
    */
   cancel(kind) {
     const place = this.#placeOf(kind);
@@ -100,7 +100,7 @@ export class Module {
 
   /**
    * Answers a question, and calls `listen` with each line of the answer. Returns false if a newer question replaced it.
-   * @param {Kind} kind
+   * @param {Asked} kind
    * @param {ApiPath} path
    * @param {object} question
    * @param {(line: Line) => void} listen
@@ -129,15 +129,15 @@ export class Module {
   }
 
   /**
-   * @param {Kind | "export"} kind
+   * @param {Asked} kind
    * @returns {Place}
    */
   #placeOf(kind) {
-    return this.#places[kind === "contact" || kind === "export" ? kind : "background"];
+    return this.#places[kind === "curves" || kind === "phase" ? "background" : kind];
   }
 
   /**
-   * @param {Kind | "export"} kind
+   * @param {Asked} kind
    * @param {ApiPath} path
    * @param {object} question
    * @param {(line: Line) => void} listen

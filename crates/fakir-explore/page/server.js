@@ -2,7 +2,7 @@
 
 import { Refused } from "./engine.js";
 
-/** @import { ApiPath, Engine, Kind, Line, Refusal, Start } from "./engine.js" */
+/** @import { ApiPath, Asked, Engine, Line, Refusal, Start } from "./engine.js" */
 
 /**
  * The server of this page.
@@ -14,7 +14,7 @@ export class Server {
   #session = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
     byte.toString(16).padStart(2, "0"),
   ).join("");
-  /** @type {Map<Kind | "export", AbortController>} */
+  /** @type {Map<Asked, AbortController>} */
   #running = new Map();
   #sequence = 0;
 
@@ -28,7 +28,7 @@ export class Server {
 
   /**
    * Cancels a question, also on the server.
-   * @param {Kind | "export"} kind
+   * @param {Asked} kind
    */
   cancel(kind) {
     this.#running.get(kind)?.abort();
@@ -37,7 +37,7 @@ export class Server {
 
   /**
    * Sends a question, and calls `listen` with each line of the answer. Returns false if a newer question replaced it.
-   * @param {Kind} kind
+   * @param {Asked} kind
    * @param {ApiPath} path
    * @param {object} question
    * @param {(line: Line) => void} listen
@@ -87,7 +87,7 @@ export class Server {
   }
 
   /**
-   * @param {Kind | "export"} kind
+   * @param {Asked} kind
    * @returns {AbortController}
    */
   #begin(kind) {

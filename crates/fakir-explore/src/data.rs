@@ -12,7 +12,6 @@ use fakir_inverse::fit::{
     Fit, FitError, FitOptions, FitSummary, Hints, Measurements, Parameter, Position, fit,
 };
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Largest size of a curve, unpacked, bytes.
@@ -74,14 +73,24 @@ struct FittedLine {
 struct Fitted {
     /// As `fakir fit --json` prints it.
     summary: FitSummary,
-    /// Fitted values of keys of the case.
-    values: BTreeMap<&'static str, f64>,
+    estimates: Vec<FittedValue>,
     contact_point_m: f64,
     /// Position and force of the computed curve, as the instrument would read them.
     curve: Vec<[f64; 2]>,
     /// Position and measured minus computed force of the rows that were used.
     residuals: Vec<[f64; 2]>,
     warnings: Vec<String>,
+}
+
+/// A fitted parameter, in SI units.
+#[derive(Serialize)]
+struct FittedValue {
+    name: &'static str,
+    /// Whether it is a key of the case.
+    is_key: bool,
+    value: f64,
+    /// `None` if the data do not determine it.
+    standard_error: Option<f64>,
 }
 
 /// `POST /api/fit`
@@ -133,13 +142,15 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
 }
 
 fn shown(data: &Measurements, fitted: &Fit, wall_time: f64) -> Fitted {
-    let of_key = fitted.estimates.iter().filter_map(|it| match it.parameter {
-        Parameter::Key(key) => Some((key.path(), it.value)),
-        _ => None,
+    let estimates = fitted.estimates.iter().map(|it| FittedValue {
+        name: it.parameter.name(),
+        is_key: matches!(it.parameter, Parameter::Key(_)),
+        value: it.value,
+        standard_error: it.standard_error,
     });
     let rows = fitted.rows.iter().filter(|row| row.used);
     Fitted {
-        values: of_key.collect(),
+        estimates: estimates.collect(),
         contact_point_m: fitted.contact_point,
         curve: fitted.curve.iter().map(|at| [at.load, at.force]).collect(),
         residuals: rows

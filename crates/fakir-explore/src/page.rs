@@ -32,6 +32,7 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("lecture"),
     script!("main"),
     script!("map"),
+    script!("measured"),
     script!("module"),
     script!("numbers"),
     script!("readouts"),
