@@ -1,10 +1,17 @@
-"""The built program and a real browser: their paths are in the environment variables FAKIR and CHROMIUM."""
+"""The built program and a real browser: their paths are in the environment variables FAKIR and CHROMIUM.
 
+If PAGE names the folder of the page without a server, the tests run against both engines, except those of the server itself
+(mark `server`).
+"""
+
+import functools
+import http.server
 import os
 import re
 import shutil
 import signal
 import subprocess
+import threading
 import time
 from contextlib import contextmanager
 
@@ -40,9 +47,36 @@ def exploring(*arguments):
         process.stderr.close()
 
 
-@pytest.fixture(scope="session")
-def address():
-    with exploring() as address:
+class Quiet(http.server.SimpleHTTPRequestHandler):
+    """A plain server of files without a log."""
+
+    def log_message(self, *_):
+        pass
+
+
+@contextmanager
+def serving(folder):
+    """Serves the files of a folder and returns the address."""
+    handler = functools.partial(Quiet, directory=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+ENGINES = ["server"] + [pytest.param("module", marks=pytest.mark.module)] * bool(os.environ.get("PAGE"))
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if item.get_closest_marker("module") and item.get_closest_marker("server"):
+            item.add_marker(pytest.mark.skip(reason="a test of the server"))
+
+
+@pytest.fixture(scope="session", params=ENGINES)
+def address(request):
+    engine = exploring() if request.param == "server" else serving(os.environ["PAGE"])
+    with engine as address:
         yield address
 
 

@@ -43,6 +43,7 @@ def floor_pixels(page):
     )
 
 
+@pytest.mark.server
 def test_the_jump_and_the_loss_of_the_floor_are_described(explore, expected):
     page = explore(QUICK)
     assert asked(page, "/api/cycle") == 1 and asked(page, "/api/contact") == 0
@@ -80,6 +81,7 @@ def test_the_jump_and_the_loss_of_the_floor_are_described(explore, expected):
     assert "has jumped onto it" in note and "is not adhesive" not in note
 
 
+@pytest.mark.server
 def test_the_slider_passes_the_jump_and_the_loss(explore, expected):
     page = explore(QUICK)
     page.page.click("#to-critical")
@@ -216,6 +218,7 @@ def test_the_floor_can_be_made_adhesive_on_the_page(explore):
     assert not page.page.is_visible("#problem")
 
 
+@pytest.mark.server
 def test_coarse_cells_are_orders_of_magnitude(explore):
     """A result on coarse cells is marked as such."""
 

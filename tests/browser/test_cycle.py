@@ -60,6 +60,7 @@ def expected(tmp_path):
     return command_line("--set", "pattern.surface_fraction=0.03", "--set", "adhesion.work=10mJ/m2")
 
 
+@pytest.mark.server
 def test_the_slider_moves_back_and_forth_along_the_computed_path(explore, expected):
     page = explore(adhesive(0.03, 0.01))
     assert page.text("load-words") == "critical state"
@@ -93,6 +94,7 @@ def test_the_slider_moves_back_and_forth_along_the_computed_path(explore, expect
     assert page.text("load-words") == "critical state"
 
 
+@pytest.mark.server
 def test_a_step_of_the_slider_is_shown_in_the_next_frame(explore):
     page = explore(adhesive(0.05, 0.05))
     late = page.page.evaluate(
@@ -219,6 +221,7 @@ def test_the_section_follows(explore):
     assert page.page.get_attribute("#section", "aria-busy") == "false"
 
 
+@pytest.mark.server
 def test_a_case_file_with_adhesion_is_where_the_page_begins(explore, tmp_path):
     case = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(case)], check=True, stdout=subprocess.DEVNULL)
@@ -276,6 +279,7 @@ def test_works_that_cannot_be_are_refused_at_their_field(explore):
     assert 'the method "punch": only the spectral method supports adhesion' in page.text("problem")
 
 
+@pytest.mark.server
 def test_without_adhesion_the_page_is_as_before(explore):
     """At a work of zero, from the start or on the way back from another one."""
     plain = explore("#" + "&".join(paper(0.02)))
@@ -318,6 +322,7 @@ def test_a_newer_work_is_answered_at_once(explore):
     assert not page.page.is_disabled("#load")
 
 
+@pytest.mark.server
 def test_what_is_of_a_cycle_before_is_grey(explore):
     page = explore(adhesive(0.02, 0.05, "load=1.5"))
     held = []

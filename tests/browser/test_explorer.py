@@ -23,6 +23,7 @@ def test_starts_with_the_case_of_fakir_init(explore):
     assert label.startswith("Contact from above: 451 pillars in contact")
 
 
+@pytest.mark.server
 def test_starts_with_the_case_of_a_file(explore, tmp_path):
     case = tmp_path / "case.toml"
     subprocess.run([os.environ["FAKIR"], "init", str(case)], check=True, stdout=subprocess.DEVNULL)
@@ -156,6 +157,7 @@ def test_exceeded_limits_of_a_film_are_marked(explore):
     assert " > 0.05" in page.text("limits")
 
 
+@pytest.mark.server
 @pytest.mark.smoke
 def test_the_controls_are_those_of_the_key_table(explore):
     """Labels, symbols, help, units, ranges and words are those of the program."""
@@ -587,6 +589,7 @@ def test_motion_is_reduced_on_wish(explore):
     assert not moving
 
 
+@pytest.mark.server
 def test_nothing_else_gets_in(explore, browser, address):
     context = browser.new_context()
     page = context.new_page()

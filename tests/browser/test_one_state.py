@@ -6,6 +6,9 @@ Here answers are delayed, completely or from one of their lines on, so that inte
 import pytest
 from test_explorer import paper
 
+# Answers are delayed on their way from the server.
+pytestmark = pytest.mark.server
+
 # Elements that show the critical state of a case, and those that show a state at a load.
 CASE = ["#force-value", "#radius-value", "#indentation-value", "#regime", "#pillars"]
 LOAD = ["#map", "#colour-bar", "#colour-most", "#map-key .partial", "#section", "#load-numbers", "#limits"]

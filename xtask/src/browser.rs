@@ -1,8 +1,7 @@
 //! The explorer in a real browser: `tests/browser`; and the types of the page's scripts.
 
-use crate::python;
 use crate::shell::{run, target_folder};
-use crate::{package, passed};
+use crate::{package, page, passed, python};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -23,17 +22,24 @@ pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
     check(cargo, "page", "smoke")
 }
 
-/// The second tier: the other tests, and the types of the page's scripts.
+/// The second tier: the other tests, all tests of the page without a server, and the types of the page's scripts.
 pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     types_are_right()?;
-    check(cargo, "browser", "not smoke")
+    check(cargo, "browser", "not smoke or module")
 }
 
 fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS)?;
-    let inputs = python::inputs(&[], &[&program]);
     let mut tests = python::pytest(&python, TESTS, marked);
+    let mut programs = vec![program.clone()];
+    if name == "browser" {
+        let folder = page::build(cargo)?;
+        programs.push(folder.join("fakir.html"));
+        tests.env("PAGE", folder);
+    }
+    let programs: Vec<&Path> = programs.iter().map(PathBuf::as_path).collect();
+    let inputs = python::inputs(&[], &programs);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
     // The manual is tested if it was built, as it is if every check is run.
     let book = target_folder()?.join("book");

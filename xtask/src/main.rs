@@ -8,6 +8,7 @@ mod browser;
 mod campaign;
 mod instructions;
 mod package;
+mod page;
 mod passed;
 mod python;
 mod release;
@@ -134,6 +135,7 @@ fn main() -> ExitCode {
         ["site", ref options @ ..] => run_one(&cargo(), "site", |cargo| {
             site::build(cargo, &site::Options::read(options)?)
         }),
+        ["page"] => run_one(&cargo(), "page", |cargo| page::build(cargo).map(drop)),
         ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|check| check.tier == Tier::First),
         ["test", "all"] => run_checks(|_| true),
@@ -159,6 +161,7 @@ fn main() -> ExitCode {
                                                     what their commands print\n       \
                  cargo xtask site [--version V] [--into FOLDER]\n       \
                                                     manual, documentation and page as one static site, in target/site\n       \
+                 cargo xtask page                   the page without a server, in target/fakir-page\n       \
                  cargo xtask package                packages, builds, installs and tries what is published\n       \
                  cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \

@@ -16,7 +16,13 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Crates that are not published.
-const PRIVATE: [&str; 4] = ["fakir-checks", "fakir-manual", "fakir-py", "xtask"];
+const PRIVATE: [&str; 5] = [
+    "fakir-checks",
+    "fakir-manual",
+    "fakir-page",
+    "fakir-py",
+    "xtask",
+];
 
 /// Files that `cargo package` adds to a crate.
 const OF_CARGO: [&str; 4] = [

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 /// Packages that are not compiled with the others: two have dependencies that the first tier does not need; the extension
 /// module has no tests, and maturin compiles it in a separate environment, so that compiling it here too would compile
 /// pyo3 again at every run.
-const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
+pub(crate) const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
 
 /// Options of cargo for tests with heavy dependencies.
 const HEAVY_TESTS: [&[&str]; 2] = [

@@ -13,7 +13,14 @@ use std::path::Path;
 /// # Errors
 /// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with the name of a program that converts them.
 pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = read(path, most)?;
+    unpack_table(path, read(path, most)?, most)
+}
+
+/// The text of a table with these contents, which are unpacked if they are packed, and at most so many bytes; `path` is the name of its file.
+///
+/// # Errors
+/// As [`read_table`].
+pub fn unpack_table(path: &Path, mut bytes: Vec<u8>, most: u64) -> io::Result<Vec<u8>> {
     if bytes.starts_with(b"\x1f\x8b") {
         bytes = read_all(MultiGzDecoder::new(&bytes[..]), most)?;
     }

@@ -1,10 +1,11 @@
 // Actions of buttons that do not change the case: saving files and copying texts.
 
 import { byId } from "./screen.js";
+import { fileShown } from "./shown.js";
 import { knownCritical } from "./store.js";
 
 /**
- * @import { Server, Texts } from "./engine.js"
+ * @import { Engine, Texts } from "./engine.js"
  * @import { Notice, State, Store } from "./store.js"
  */
 
@@ -14,10 +15,10 @@ const NOTICE = 1200;
 /**
  * Saves a file of the chosen case, or shows why there is none.
  * @param {Store} store
- * @param {Server} server
+ * @param {Engine} engine
  * @param {string} name
  */
-export async function save(store, server, name) {
+export async function save(store, engine, name) {
   store.notify("export", `${name} …`);
   const { question } = store.state;
   const known = knownCritical(store.state, question);
@@ -26,17 +27,40 @@ export async function save(store, server, name) {
     ...(known && { critical_indentation_m: known.critical_indentation_m }),
   };
   try {
-    const file = await server.file({ case: question.case, load, file: name });
-    if (file === null) return;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(file);
-    link.download = `fakir-${name}`;
-    link.click();
-    window.setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-    store.notify("export", `${name} saved`);
+    const file = await engine.file({ case: question.case, load, file: name });
+    if (file !== null) download(store, file, name);
   } catch (error) {
     store.notify("export", error instanceof Error ? error.message : String(error));
   }
+}
+
+/**
+ * Saves a picture or the values of a chart as they are shown.
+ * @param {Store} store
+ * @param {string} name
+ */
+export async function saveShown(store, name) {
+  try {
+    const file = await fileShown(name);
+    if (file === null) store.notify("export", "nothing is shown there yet");
+    else download(store, file, name);
+  } catch (error) {
+    store.notify("export", error instanceof Error ? error.message : String(error));
+  }
+}
+
+/**
+ * @param {Store} store
+ * @param {Blob} file
+ * @param {string} name
+ */
+function download(store, file, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(file);
+  link.download = `fakir-${name}`;
+  link.click();
+  window.setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  store.notify("export", `${name} saved`);
 }
 
 /**

@@ -1,6 +1,6 @@
 // Charts with logarithmic or linear axes, as SVG. Colours and lettering come from the style sheet.
 
-import { engineering, significant, write } from "./numbers.js";
+import { engineering, engineeringText, significant, write } from "./numbers.js";
 import { letterSize } from "./theme.js";
 
 /** @import { Dimension } from "./numbers.js" */
@@ -128,6 +128,71 @@ export function drawChart(svg, axes, contents) {
   const clipping = element("clipPath", { id: clip });
   clipping.append(path(box, ""));
   svg.replaceChildren(clipping, grid, inside, path(box, "frame"), lettering);
+  if (!drawn.has(svg)) {
+    svg.addEventListener("pointermove", (event) => showValue(svg, event));
+    svg.addEventListener("pointerleave", () => svg.querySelector(".value")?.remove());
+  }
+  drawn.set(svg, { axes, contents, across, up, frame });
+}
+
+/**
+ * A chart as it was drawn.
+ * @typedef {object} Drawn
+ * @property {Axes} axes
+ * @property {Contents} contents
+ * @property {(x: number) => number} across
+ * @property {(y: number) => number} up
+ * @property {{ left: number, right: number, top: number, bottom: number }} frame
+ */
+
+/** @type {WeakMap<SVGSVGElement, Drawn>} */
+const drawn = new WeakMap();
+
+/**
+ * The axes and the series of a chart that was drawn; null if it was not.
+ * @param {SVGSVGElement} svg
+ * @returns {{ axes: Axes, contents: Contents } | null}
+ */
+export function chartOf(svg) {
+  return drawn.get(svg) ?? null;
+}
+
+/** Distance from the pointer within which a value is shown, in font sizes. */
+const NEAR = 3;
+
+/**
+ * Shows the point of a curve nearest to the pointer.
+ * @param {SVGSVGElement} svg
+ * @param {PointerEvent} event
+ */
+function showValue(svg, event) {
+  const chart = drawn.get(svg);
+  svg.querySelector(".value")?.remove();
+  if (chart === undefined) return;
+  const { axes, contents, across, up, frame } = chart;
+  const em = letterSize();
+  const { left, top } = svg.getBoundingClientRect();
+  const [x, y] = [event.clientX - left, event.clientY - top];
+  const points = contents.series
+    .filter(({ kind, style }) => kind === "points" || (kind === "line" && style !== "zero"))
+    .flatMap(({ points }) => points)
+    .map((value) => ({ value, place: /** @type {Place} */ ([across(value[0]), up(value[1])]) }))
+    .filter(({ place: [a, b] }) => a >= frame.left && a <= frame.right && b >= frame.top && b <= frame.bottom);
+  /** @type {(place: Place) => number} */
+  const distance = ([a, b]) => Math.hypot(a - x, b - y);
+  const [first, ...others] = points;
+  if (first === undefined) return;
+  const nearest = others.reduce((best, one) => (distance(one.place) < distance(best.place) ? one : best), first);
+  if (distance(nearest.place) > NEAR * em) return;
+  const [a, b] = nearest.place;
+  const words =
+    `${engineeringText(nearest.value[0], axes.xDimension ?? "number", 4)}, ` +
+    engineeringText(nearest.value[1], axes.yDimension, 4);
+  const group = element("g", { class: "value" });
+  const isRight = a > (frame.left + frame.right) / 2;
+  const label = text(words, a + (isRight ? -0.7 : 0.7) * em, Math.max(b - 0.6 * em, frame.top + em), isRight ? "end" : "start");
+  group.append(element("circle", { cx: a.toFixed(1), cy: b.toFixed(1), r: String(0.3 * em) }), label);
+  svg.append(group);
 }
 
 /**
@@ -248,6 +313,18 @@ function decadeTicks([low, high], space) {
     }
   }
   return result;
+}
+
+/**
+ * The smallest and the largest value.
+ * @param {readonly number[]} values
+ * @returns {Place}
+ */
+export function extremes(values) {
+  return values.reduce(
+    /** @returns {Place} */ ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
+    /** @type {Place} */ ([Infinity, -Infinity]),
+  );
 }
 
 /**

@@ -136,6 +136,8 @@ export class Controls {
     text.inputMode = "decimal";
     text.spellcheck = false;
     text.autocomplete = "off";
+    // An empty field of a number without a default: the lattice has no end.
+    if (field.default === null && field.whole) text.placeholder = "no end";
     text.setAttribute("aria-describedby", describedBy);
     const slider = document.createElement("input");
     slider.id = `${id}-slider`;

@@ -1,6 +1,7 @@
 // The phase diagram, the force against the indentation, and the critical state against the surface fraction.
 
-import { drawChart, range } from "./charts.js";
+import { drawChart, extremes, range } from "./charts.js";
+import { measuredPlaces } from "./measured.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
 import { floorCarriesLoad, isCritical, isOlder, stationAt, isAdhesive } from "./store.js";
@@ -228,18 +229,6 @@ function drawCycle(state, cycle) {
 }
 
 /**
- * The smallest and the largest value.
- * @param {readonly number[]} values
- * @returns {Place}
- */
-function extremes(values) {
-  return values.reduce(
-    /** @returns {Place} */ ([low, high], value) => [Math.min(low, value), Math.max(high, value)],
-    /** @type {Place} */ ([Infinity, -Infinity]),
-  );
-}
-
-/**
  * The range of values on a linear axis, with a margin for marks.
  * @param {readonly number[]} values
  * @returns {Place}
@@ -283,6 +272,7 @@ function cycleSeries(state, { curve, solved }) {
   const turn = down[down.length - 1];
   /** @type {Series[]} */
   const lines = [
+    { kind: "points", style: "measured", points: measuredPlaces(state) },
     { kind: "line", style: "zero", points: [[-1, 0], [1, 0]] },
     { kind: "line", style: "path", points: down },
     { kind: "line", style: "path unloading", points: turn === undefined ? up : [turn, ...up] },
@@ -377,10 +367,13 @@ function loadingContents(state) {
     }
     series.push({ kind: "points", style, points: shown });
   }
+  const measured = measuredPlaces(state);
+  series.unshift({ kind: "points", style: "measured", points: measured });
   /** @type {(k: 0 | 1) => number} */
   const most = (k) =>
-    1.05 * Math.max(...[reached, ...past, ...shown].map((place) => place[k]));
-  return { x: [0, most(0)], y: [0, most(1)], series };
+    1.05 * Math.max(...[reached, ...past, ...shown, ...measured].map((place) => place[k]).filter(Number.isFinite));
+  const [least] = extremes([0, ...measured.map(([, force]) => force)]);
+  return { x: [0, most(0)], y: [least, most(1)], series };
 }
 
 /** @param {State} state */

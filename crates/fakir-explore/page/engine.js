@@ -1,4 +1,5 @@
-// Questions to the server. Of each kind only the newest counts; answers arrive line by line.
+// Questions about cases and their answers, which a server or a module of WebAssembly computes. Of each kind only the newest
+// counts; answers arrive line by line.
 
 /** @import { Dimension } from "./numbers.js" */
 
@@ -355,6 +356,39 @@
  * @property {readonly CurveStation[]} [curve]
  * @property {SolvedCycle} [cycle]
  * @property {StationState} [station]
+ * @property {Measured} [measured]
+ * @property {Fitted} [fitted]
+ */
+
+/**
+ * A measured curve as it was read.
+ * @typedef {object} Measured
+ * @property {string} name
+ * @property {"displacement" | "indentation"} position Kind of the position: a displacement includes the contact point.
+ * @property {readonly number[]} position_m
+ * @property {readonly number[]} force_N
+ * @property {readonly boolean[]} unloading
+ * @property {readonly string[]} notes How the columns were understood.
+ */
+
+/**
+ * A fit of the measured curve.
+ * @typedef {object} Fitted
+ * @property {{ converged: boolean, wall_time_s: number }} summary As `fakir fit --json` prints it.
+ * @property {readonly FittedValue[]} estimates
+ * @property {number} contact_point_m
+ * @property {readonly Point[]} curve
+ * @property {readonly Point[]} residuals
+ * @property {readonly string[]} warnings
+ */
+
+/**
+ * A fitted parameter, in SI units.
+ * @typedef {object} FittedValue
+ * @property {string} name
+ * @property {boolean} is_key
+ * @property {number} value
+ * @property {number | null} standard_error
  */
 
 /**
@@ -396,11 +430,27 @@
 /** @typedef {"contact" | Background} Kind */
 
 /**
- * Paths of the server's interface: with adhesion `cycle` replaces `contact`.
- * @typedef {Kind | "cycle" | "export"} ApiPath
+ * Kinds of questions of which only the newest is answered.
+ * @typedef {Kind | "export" | "fit"} Asked
  */
 
-/** Thrown if a request is refused or the server does not answer. */
+/**
+ * Names of requests: with adhesion `cycle` replaces `contact`.
+ * @typedef {Kind | "cycle" | "export" | "fit"} ApiPath
+ */
+
+/**
+ * Computes answers: the server of this page, or a module in a Web Worker.
+ * @typedef {object} Engine
+ * @property {() => Promise<Start>} start The initial data of the page.
+ * @property {(kind: Asked) => void} cancel Cancels a question.
+ * @property {(kind: Asked, path: ApiPath, question: object, listen: (line: Line) => void) => Promise<boolean>} ask Sends
+ *   a question, and calls `listen` with each line of the answer. The result is false if a newer question replaced it.
+ * @property {(question: object) => Promise<Blob | null>} file Requests a file; null if another was requested in the
+ *   meantime.
+ */
+
+/** Thrown if a request is refused or cannot be answered. */
 export class Refused extends Error {
   /** @type {Refusal} */
   refusal;
@@ -409,128 +459,5 @@ export class Refused extends Error {
   constructor(refusal) {
     super(refusal.message);
     this.refusal = refusal;
-  }
-}
-
-/** The server of this page. */
-export class Server {
-  #token = location.pathname.split("/")[1] ?? "";
-  /** Identifies this page among other pages of the same server. */
-  #session = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) =>
-    byte.toString(16).padStart(2, "0"),
-  ).join("");
-  /** @type {Map<Kind | "export", AbortController>} */
-  #running = new Map();
-  #sequence = 0;
-
-  /**
-   * Fetches the initial data of the page.
-   * @returns {Promise<Start>}
-   */
-  async start() {
-    return /** @type {Start} */ (await (await fetch("start.json")).json());
-  }
-
-  /**
-   * Cancels a question, also on the server.
-   * @param {Kind | "export"} kind
-   */
-  cancel(kind) {
-    this.#running.get(kind)?.abort();
-    this.#running.delete(kind);
-  }
-
-  /**
-   * Sends a question, and calls `listen` with each line of the answer. Returns false if a newer question replaced it.
-   * @param {Kind} kind
-   * @param {ApiPath} path
-   * @param {object} question
-   * @param {(line: Line) => void} listen
-   * @returns {Promise<boolean>}
-   */
-  async ask(kind, path, question, listen) {
-    const controller = this.#begin(kind);
-    try {
-      const response = await this.#post(path, question, controller.signal);
-      if (response === null || response.body === null) return false;
-      const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
-      let rest = "";
-      for (;;) {
-        const { value, done } = await reader.read();
-        if (done) break;
-        const lines = (rest + value).split("\n");
-        rest = lines.pop() ?? "";
-        for (const text of lines) {
-          const line = /** @type {Line} */ (JSON.parse(text));
-          if (line.refused) throw new Refused(line.refused);
-          listen(line);
-        }
-      }
-      return true;
-    } catch (error) {
-      if (controller.signal.aborted) return false;
-      throw error;
-    } finally {
-      if (this.#running.get(kind) === controller) this.#running.delete(kind);
-    }
-  }
-
-  /**
-   * Requests a file; null if another was requested in the meantime.
-   * @param {object} question
-   * @returns {Promise<Blob | null>}
-   */
-  async file(question) {
-    const controller = this.#begin("export");
-    try {
-      const response = await this.#post("export", question, controller.signal);
-      return response === null ? null : await response.blob();
-    } catch (error) {
-      if (controller.signal.aborted) return null;
-      throw error;
-    }
-  }
-
-  /**
-   * @param {Kind | "export"} kind
-   * @returns {AbortController}
-   */
-  #begin(kind) {
-    this.cancel(kind);
-    const controller = new AbortController();
-    this.#running.set(kind, controller);
-    return controller;
-  }
-
-  /**
-   * Sends a request; null if a newer question replaced it.
-   * @param {ApiPath} path
-   * @param {object} question
-   * @param {AbortSignal} signal
-   * @returns {Promise<Response | null>}
-   */
-  async #post(path, question, signal) {
-    this.#sequence += 1;
-    const ticket = { session: this.#session, sequence: this.#sequence };
-    /** @type {Response} */
-    let response;
-    try {
-      response = await fetch(`/api/${path}`, {
-        method: "POST",
-        headers: { "content-type": "application/json", "x-fakir-token": this.#token },
-        body: JSON.stringify({ ticket, ...question }),
-        signal,
-      });
-    } catch (error) {
-      if (signal.aborted) throw error;
-      throw new Refused({
-        key: null,
-        message: "no answer from fakir",
-        accepted: "start `fakir explore` again; it prints a new address",
-      });
-    }
-    if (response.ok) return response;
-    if (response.status === 409) return null;
-    throw new Refused(/** @type {Refusal} */ (await response.json()));
   }
 }

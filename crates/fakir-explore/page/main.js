@@ -1,16 +1,20 @@
 // The page: which view is drawn from which part of the state, and how inputs change the state.
 
-import { copy, drawNotices, save } from "./actions.js";
+import { copy, drawNotices, save, saveShown } from "./actions.js";
 import { chosenIn, fragment } from "./address.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
-import { Server } from "./engine.js";
+import { lecture } from "./lecture.js";
+import { drawMeasured, measure } from "./measured.js";
 import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
+import { Module } from "./module.js";
 import { engineeringText, withPrefixes, write } from "./numbers.js";
 import { announcement, drawCritical, drawCycleNumbers, drawCycleProgress, drawFacts, drawLoad } from "./readouts.js";
 import { answerQuestions } from "./requests.js";
 import { byId, Screen } from "./screen.js";
 import { drawSection } from "./section.js";
+import { Server } from "./server.js";
+import { explainFocus } from "./sketch.js";
 import {
   FLOOR,
   FRACTION,
@@ -29,7 +33,7 @@ import {
 import { onScheme } from "./theme.js";
 
 /**
- * @import { Start, Texts, Values } from "./engine.js"
+ * @import { Engine, Start, Texts, Values } from "./engine.js"
  * @import { MapContents } from "./map.js"
  * @import { Of, State } from "./store.js"
  */
@@ -191,11 +195,18 @@ function show(store) {
   );
   screen.add(
     (state) => [
+      ...[state.measured, state.contactPoint],
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
     drawLoading,
     [loading, pull],
+  );
+  const residuals = byId("residuals");
+  screen.add(
+    (state) => [state.measured, state.contactPoint, state.dataWords, state.phase, state.cycle],
+    drawMeasured,
+    [residuals],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
   screen.add((state) => [state.curves, state.critical], drawCurves, curves);
@@ -294,10 +305,13 @@ function showTexts(state) {
 
 /**
  * @param {Store} store
- * @param {Server} server
+ * @param {Engine} engine
  */
-function listen(store, server) {
+function listen(store, engine) {
   rememberInAddress(store);
+  explainFocus(store.state.start.keys);
+  lecture(store);
+  measure(store, engine);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
@@ -349,7 +363,10 @@ function listen(store, server) {
     });
   }
   for (const button of buttons("file")) {
-    button.addEventListener("click", () => void save(store, server, button.dataset["file"] ?? ""));
+    button.addEventListener("click", () => void save(store, engine, button.dataset["file"] ?? ""));
+  }
+  for (const button of buttons("shown")) {
+    button.addEventListener("click", () => void saveShown(store, button.dataset["shown"] ?? ""));
   }
   for (const button of buttons("copy")) {
     const name = /** @type {keyof Texts} */ (button.dataset["copy"]);
@@ -367,28 +384,65 @@ function listen(store, server) {
 }
 
 /**
- * Writes what is chosen to the address, and reads it from there when the user changes the address.
+ * Writes what is chosen to the address, as a new entry of the history, and reads it from there when the user goes back or forward or
+ * changes the address.
  * @param {Store} store
  */
 function rememberInAddress(store) {
   let known = location.hash;
-  const write = () => {
-    // An address that was just entered, before its event arrives, is not overwritten.
-    if (location.hash !== known) return;
-    history.replaceState(null, "", fragment(store.state.chosen));
-    known = location.hash;
+  let place = placeInHistory() ?? 0;
+  let last = place;
+  const [undo, redo] = [byId("undo", HTMLButtonElement), byId("redo", HTMLButtonElement)];
+  const show = () => {
+    undo.disabled = place === 0;
+    redo.disabled = place >= last;
   };
-  afterwards(store, REMEMBER, (state) => state.chosen, write);
+  /** @param {boolean} adds Whether the entry is a new one. */
+  const write = (adds) => {
+    const hash = fragment(store.state.chosen);
+    // An address that was just entered, before its event arrives, is not overwritten.
+    if (location.hash !== known || hash === known) return;
+    if (adds) place = last = place + 1;
+    history[adds ? "pushState" : "replaceState"]({ place }, "", hash);
+    known = location.hash;
+    show();
+  };
+  write(false);
+  afterwards(store, REMEMBER, (state) => state.chosen, () => write(true));
   byId("copy-link").addEventListener("click", () => {
-    write();
+    write(true);
     void copy(store, "link", location.href);
+  });
+  undo.addEventListener("click", () => history.back());
+  redo.addEventListener("click", () => history.forward());
+  byId("reset").addEventListener("click", () => {
+    store.choose({ case: store.state.start.case, load: 1, exaggeration: null }, performance.now());
   });
   window.addEventListener("hashchange", () => {
     known = location.hash;
+    const found = placeInHistory();
+    if (found === null) {
+      // An address that the user has entered.
+      place = last = place + 1;
+      history.replaceState({ place }, "");
+    } else {
+      place = found;
+    }
+    show();
     const chosen = chosenIn(known);
     if (chosen === null || known === fragment(store.state.chosen)) return;
     store.choose(chosen, performance.now());
   });
+  show();
+}
+
+/**
+ * Number of the entry of the history; null for an entry that the page has not written.
+ * @returns {number | null}
+ */
+function placeInHistory() {
+  const place = /** @type {{ place?: unknown } | null} */ (history.state)?.place;
+  return typeof place === "number" ? place : null;
 }
 
 /**
@@ -413,13 +467,14 @@ function afterwards(store, delay, of, act) {
   });
 }
 
-const server = new Server();
-const start = await server.start();
+/** @type {Engine} */
+const engine = document.documentElement.dataset["engine"] === "module" ? new Module() : new Server();
+const start = await engine.start();
 const first = chosenIn(location.hash) ?? { case: start.case, load: 1, exaggeration: null };
 const store = new Store(start, first, performance.now());
 show(store);
-listen(store, server);
+listen(store, engine);
 afterwards(store, REST, announcement, (words) => {
   if (words !== null) store.announce(words);
 });
-answerQuestions(store, server);
+answerQuestions(store, engine);

@@ -31,8 +31,8 @@ import { colour, letterSize, mixed, tint } from "./theme.js";
  * @typedef {MapContents & Canvas} Sheet
  */
 
-/** Lengths of the scale bar are one of these times a power of ten. */
-const ROUND = [1, 2, 5];
+/** Distances between ticks are one of these times a power of ten. */
+const ROUND = [1, 2, 5, 10];
 
 /**
  * Half the width of the map, m.
@@ -78,7 +78,7 @@ export function drawMap(canvas, contents, colours) {
   drawPillars(sheet, colours);
   drawMarks(sheet);
   context.setTransform(1, 0, 0, 1, 0, 0);
-  drawScaleBar(context, side, scale, ratio);
+  drawAxes(context, side, scale, ratio);
   canvas.setAttribute("aria-label", contents.scene.words);
 }
 
@@ -311,29 +311,53 @@ function drawMarks({ context, scene, pixel }) {
 }
 
 /**
+ * Draws ticks with their distances from the lens axis along the lower and the left edge.
  * @param {CanvasRenderingContext2D} context
  * @param {number} side
  * @param {number} scale
  * @param {number} ratio
  */
-function drawScaleBar(context, side, scale, ratio) {
-  const longest = (0.3 * side) / scale;
-  const power = 10 ** Math.floor(Math.log10(longest));
-  const length = power * Math.max(...ROUND.filter((step) => step * power <= longest));
+function drawAxes(context, side, scale, ratio) {
   const size = letterSize() * ratio;
-  const width = length * scale;
-  const text = engineeringText(length, "length", 1);
-  context.font = `${0.82 * size}px Roboto, system-ui, sans-serif`;
-  const box = Math.max(width, context.measureText(text).width) + size;
-  const [left, top] = [0.6 * size, side - 2.5 * size];
+  const least = (0.2 * side) / scale;
+  const power = 10 ** Math.floor(Math.log10(least));
+  const step = power * Math.min(...ROUND.filter((round) => round * power >= least));
+  const most = Math.floor((0.5 * side) / scale / step);
+  context.font = `${0.8 * size}px Roboto, system-ui, sans-serif`;
+  for (let k = -most; k <= most; k += 1) {
+    const words = k === 0 ? "0" : engineeringText(k * step, "length", 2).replace(/\.0+(?= )/, "");
+    const at = side / 2 + k * step * scale;
+    const width = context.measureText(words).width;
+    // Labels that would leave the map are left out.
+    if (at - width / 2 > 2.2 * size && at + width / 2 < side - 0.3 * size) {
+      label(context, words, at - width / 2, side - 0.75 * size, width, size);
+      context.fillRect(at - 0.5 * ratio, side - 0.45 * size, ratio, 0.45 * size);
+    }
+    const up = side - at;
+    if (up > 2.6 * size && up < side - 2.4 * size) {
+      label(context, words, 0.7 * size, up + 0.28 * size, width, size);
+      context.fillRect(0, up - 0.5 * ratio, 0.45 * size, ratio);
+    }
+  }
+  label(context, "x", side - 1.1 * size, side - 2.1 * size, context.measureText("x").width, size);
+  label(context, "y", 0.7 * size, 1.4 * size, context.measureText("y").width, size);
+}
+
+/**
+ * Writes words on a veil, and leaves the colour of the ink.
+ * @param {CanvasRenderingContext2D} context
+ * @param {string} words
+ * @param {number} left
+ * @param {number} base
+ * @param {number} width
+ * @param {number} size
+ */
+function label(context, words, left, base, width, size) {
   context.fillStyle = tint("--veil");
-  context.beginPath();
-  context.roundRect(left, top, box, 1.95 * size, 0.25 * size);
-  context.fill();
+  context.fillRect(left - 0.15 * size, base - 0.75 * size, width + 0.3 * size, size);
   context.fillStyle = tint("--ink");
-  context.textAlign = "center";
-  context.fillText(text, left + box / 2, top + 0.95 * size);
-  context.fillRect(left + (box - width) / 2, top + 1.3 * size, width, 0.2 * size);
+  context.textAlign = "left";
+  context.fillText(words, left, base);
 }
 
 /**

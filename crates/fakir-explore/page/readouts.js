@@ -133,7 +133,7 @@ export function drawFacts(state) {
   const answer = answerOf(state);
   warnings.textContent = answer?.warnings.join("; ") ?? "";
   warnings.hidden = warnings.textContent === "";
-  drawLimits(state.solved?.is.summary.limits ?? []);
+  drawLimits(state.solved?.is.summary.limits ?? [], isPaper(state));
 }
 
 /**
@@ -153,11 +153,26 @@ const LIMITS = {
   kendall_strain: "strain of pillars at pull-off",
 };
 
+/** Why the first case of the page exceeds a limit. */
+const WHY =
+  ": this is the intermediate case of the paper, in which the pillars at the centre are compressed by 30 %, where the " +
+  "small strains of the column model end";
+
+/**
+ * Whether the case that is shown is the intermediate case of the paper.
+ * @param {State} state
+ * @returns {boolean}
+ */
+function isPaper({ start, solved }) {
+  return Object.entries(start.paper).every(([key, value]) => solved?.of.case[key] === value);
+}
+
 /**
  * Shows the closest limit of the model, or the limits that are exceeded.
  * @param {readonly Limit[]} limits
+ * @param {boolean} explains Whether the limit of the paper's case is explained.
  */
-function drawLimits(limits) {
+function drawLimits(limits, explains) {
   const line = byId("limits");
   const known = limits.flatMap(({ name, value, threshold, strained }) => {
     const words = LIMITS[name];
@@ -178,7 +193,7 @@ function drawLimits(limits) {
   const words = strained.map((limit) => limit.words).join("; ");
   line.textContent =
     strained.length > 0
-      ? `limit exceeded: ${words}`
+      ? `limit exceeded: ${words}${explains ? WHY : ""}`
       : `within the limits of the model; closest: ${nearest?.words ?? ""}`;
 }
 

@@ -1,10 +1,10 @@
-// Sends the questions of the store to the server, and puts the answers into the store.
+// Sends the questions of the store to the engine, and puts the answers into the store.
 
 import { Refused } from "./engine.js";
 import { isBusy, isWithoutFloor, knownCritical, isAdhesive } from "./store.js";
 
 /**
- * @import { ApiPath, Background, Kind, Refusal, Server } from "./engine.js"
+ * @import { ApiPath, Background, Engine, Kind, Refusal } from "./engine.js"
  * @import { Question, Store } from "./store.js"
  */
 
@@ -35,9 +35,9 @@ const BACKGROUND = ["phase", "curves"];
 /**
  * Starts sending the questions of the store.
  * @param {Store} store
- * @param {Server} server
+ * @param {Engine} engine
  */
-export function answerQuestions(store, server) {
+export function answerQuestions(store, engine) {
   let newest = 0;
   /** @type {number | undefined} */
   let calm;
@@ -50,7 +50,7 @@ export function answerQuestions(store, server) {
     }
     callOffSketched();
     const { asking, calledOff, sent } = store.state;
-    if (calledOff !== null && asking.contact?.question.number === calledOff.number) server.cancel("contact");
+    if (calledOff !== null && asking.contact?.question.number === calledOff.number) engine.cancel("contact");
     if (asking.contact === null && sent < question.number) void contact(question);
   }
 
@@ -63,7 +63,7 @@ export function answerQuestions(store, server) {
     window.setTimeout(() => store.overdue(question), OVERDUE);
     const { asking, lastTime } = store.state;
     for (const kind of BACKGROUND) {
-      if (asking[kind] !== null && asking[kind].question.name !== question.name) server.cancel(kind);
+      if (asking[kind] !== null && asking[kind].question.name !== question.name) engine.cancel(kind);
     }
     if (asking.contact === null) return;
     const { question: before, since } = asking.contact;
@@ -83,7 +83,7 @@ export function answerQuestions(store, server) {
     if (under === undefined || under.number >= question.number) return;
     const continues = picture?.is.stage !== "exact" || isAdhesive(under.case);
     if (picture?.of.number === under.number && continues) {
-      server.cancel("contact");
+      engine.cancel("contact");
     }
   }
 
@@ -95,7 +95,7 @@ export function answerQuestions(store, server) {
     const { asking, picture } = store.state;
     if (asking.contact?.question.number !== question.number) return;
     if (picture?.of.number === question.number && picture.is.stage === "exact") return;
-    server.cancel("contact");
+    engine.cancel("contact");
   }
 
   /** @param {Question} question */
@@ -143,7 +143,7 @@ export function answerQuestions(store, server) {
     /** @type {Refusal | null} */
     let refusal = null;
     try {
-      whole = await server.ask(kind, path, body, (line) => {
+      whole = await engine.ask(kind, path, body, (line) => {
         const take = () => store.receive(kind, question.number, line, performance.now());
         if (line.state && isWithoutFloor(line.state)) window.setTimeout(take, WITHOUT_FLOOR);
         else take();

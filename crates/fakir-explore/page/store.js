@@ -7,8 +7,8 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
 
 /**
  * @import {
- *   Background, ContactState, CurvePoint, CurveStation, ExpectedCells, Kind, Line, PathState, Point, Progress,
- *   Refusal, Section, SolvedCycle, Start, StationState, Texts, TransitionSummary, Value, Values,
+ *   Background, ContactState, CurvePoint, CurveStation, ExpectedCells, Fitted, Kind, Line, Measured, PathState, Point,
+ *   Progress, Refusal, Section, SolvedCycle, Start, StationState, Texts, TransitionSummary, Value, Values,
  * } from "./engine.js"
  * @import { Scene } from "./scene.js"
  */
@@ -140,6 +140,10 @@ const LAST_RELEASE = 2;
  * @property {{ [kind in Background]: Of<string> | null }} answered Background questions that were answered (empty
  *   text) or refused (the message).
  * @property {{ readonly [about in Notice]?: string }} notices Short messages beside buttons, shown for a moment.
+ * @property {Measured | null} measured The measured curve that the user has given.
+ * @property {number} contactPoint Position of the measured curve at which the lens is level with the pillar tops, m.
+ * @property {Fitted | null} fitted The fit of the measured curve.
+ * @property {string} dataWords How reading or fitting of the curve went.
  * @property {string} announcement The text that screen readers read out.
  */
 
@@ -188,6 +192,10 @@ export class Store {
       curves: null,
       answered: { curves: null, phase: null },
       notices: {},
+      measured: null,
+      contactPoint: 0,
+      fitted: null,
+      dataWords: "",
       announcement: "",
     };
   }
@@ -292,6 +300,14 @@ export class Store {
     if (words === null) delete notices[about];
     else notices[about] = words;
     this.#change({ notices });
+  }
+
+  /**
+   * Changes what belongs to the measured curve.
+   * @param {Partial<Pick<State, "measured" | "contactPoint" | "fitted" | "dataWords">>} part
+   */
+  setData(part) {
+    this.#change(part);
   }
 
   /** @param {string} announcement */

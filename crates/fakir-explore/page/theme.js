@@ -50,9 +50,11 @@ export function letterSize() {
 }
 
 /**
- * Calls `changed` when the system changes between light and dark.
+ * Calls `changed` when the system changes between light and dark, or the page is printed, which is always light.
  * @param {() => void} changed
  */
 export function onScheme(changed) {
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", changed);
+  for (const query of ["(prefers-color-scheme: dark)", "print"]) {
+    matchMedia(query).addEventListener("change", changed);
+  }
 }

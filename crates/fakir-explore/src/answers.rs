@@ -1,10 +1,11 @@
 //! Responses: contacts with their pillars and section, curves over the surface fraction, and the
 //! phase diagram. All values are in SI units, with the unit in the name.
 
+use crate::clock::Moment;
 use crate::floor::FloorCells;
-use crate::jobs::{Failure, Worker};
 use crate::lines;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars, without_adhesion};
+use crate::worker::{Failure, Worker};
 use fakir::problem::{
     Accuracy, Arrangement, Disorder, FloorModel, Load, Method, PlaneLattice, Point, System,
 };
@@ -17,7 +18,6 @@ use fakir_study::record::{Object, of_floor};
 use fakir_study::result::{press, transition, warnings};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
 
 /// Number of pillars beyond which an estimate is shown until the contact is solved.
 const PREVIEW_PILLARS: f64 = 800.0;
@@ -80,7 +80,7 @@ pub(crate) fn solve(
 ) -> Result<Solved, Failure> {
     let known = load.critical_indentation_m;
     let is_critical = load.is_critical();
-    let start = Instant::now();
+    let start = Moment::now();
     let listener = interim
         .map(|interim| move |state: &ContactState| interim(state, start.elapsed().as_secs_f64()));
     let listener = listener

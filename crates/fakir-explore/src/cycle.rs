@@ -2,22 +2,24 @@
 //! forth without another request.
 
 use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
+use crate::clock::Moment;
 use crate::floor::{ExpectedCells, FloorCells};
-use crate::jobs::{Failure, Way, Worker};
+use crate::refusal::Refusal;
 use crate::request::{self, without_adhesion};
+use crate::worker::{Failure, Way, Worker};
 use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{
     Branch, ContactState, CriticalState, Cycle, CycleLoadStep, HeldContact, Passage, PillarStatus,
     Progress, Run, Stage,
 };
-use fakir_case::Case;
+use fakir_case::{Case, Key};
 use fakir_figure::Section as Cut;
 use fakir_study::result::{CycleSummary, transition};
 use serde::Serialize;
 use std::cell::LazyCell;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Approximate number of states of the loading; fewer if all states together would have more than `PILLARS` pillars. The unloading
 /// has more states.
@@ -60,7 +62,8 @@ impl SolvedCycle {
     ) -> Result<(Self, ContactState), Failure> {
         let plain = without_adhesion(case);
         let without = fakir::transition(&plain.system, plain.method, &worker.run())?.contact;
-        let start = Instant::now();
+        refuse_many_cells(case, &without, worker)?;
+        let start = Moment::now();
         let keeper = Mutex::new(Keeper::new(&case.system, without.indentation));
         if let Some(page) = page {
             page.begin(&case.system, &without);
@@ -171,6 +174,29 @@ impl SolvedCycle {
         let critical = critical.filter(|_| self.critical == Some(place));
         critical.map(|critical| critical.floor_contact)
     }
+}
+
+/// Refuses an adhesive floor with more cells than the worker allows, with the command that computes it.
+fn refuse_many_cells(case: &Case, without: &ContactState, worker: &Worker) -> Result<(), Failure> {
+    let expected = ExpectedCells::new(&case.system, without.contact_radius);
+    let Some(cells) = expected.map(|expected| expected.cells) else {
+        return Ok(());
+    };
+    if cells <= worker.most_cells() {
+        return Ok(());
+    }
+    let words = format!(
+        "the adhesive floor has about {cells:.1e} cells, which takes minutes in the browser"
+    );
+    let command = crate::lines::cycle_texts(case).command;
+    Err(Refusal::impossible(words)
+        .at(Key::AdhesiveFloor.path())
+        .accepted(format!(
+            "at most {:.0e} cells: fewer pillars, or no adhesion on the floor; fakir explore has no such limit, nor has\n{}",
+            worker.most_cells(),
+            command.trim_end()
+        ))
+        .into())
 }
 
 /// The contact in a state, if it is completely known.
@@ -287,20 +313,20 @@ pub(crate) struct Page<'a> {
 }
 
 struct Reported {
-    start: Instant,
+    start: Moment,
     /// Cumulative fractions of the total time.
     parts: [f64; 4],
     /// Indentations of first contact and, approximately, of the critical state, m.
     ends: [f64; 2],
     /// Load steps that have not been sent yet, and the time of the last transmission.
     curve: Vec<CurveStation>,
-    sent: Instant,
+    sent: Moment,
     /// Current position of the lens.
     at: Option<CycleLoadStep>,
     /// Iterations of the jump onto the floor so far.
     rounds: f64,
     /// Time at which the cycle was solved and only its errors remained.
-    closed: Option<Instant>,
+    closed: Option<Moment>,
     critical: bool,
 }
 
@@ -321,7 +347,7 @@ impl Reported {
     fn share(&self) -> f64 {
         let [loaded, jumped, unloaded, all] = self.parts;
         if let Some(closed) = self.closed {
-            let before = closed.duration_since(self.start).as_secs_f64();
+            let before = closed.since(self.start).as_secs_f64();
             let part = closed.elapsed().as_secs_f64() / (ERRORS_TIME * before);
             return unloaded + (all - unloaded) * part.min(1.0);
         }
@@ -342,7 +368,7 @@ impl Reported {
 
 impl<'a> Page<'a> {
     fn new(case: &'a Case, worker: &'a Worker) -> Self {
-        let now = Instant::now();
+        let now = Moment::now();
         Self {
             case,
             worker,
@@ -364,7 +390,7 @@ impl<'a> Page<'a> {
     fn begin(&self, system: &System, without: &ContactState) {
         let mut reported = unpoisoned(&self.reported);
         let expected = ExpectedCells::new(system, without.contact_radius);
-        reported.start = Instant::now();
+        reported.start = Moment::now();
         reported.parts = match &expected {
             None => WITHOUT_FLOOR,
             Some(cells) if cells.coarse => ON_COARSE_CELLS,
@@ -400,7 +426,7 @@ impl<'a> Page<'a> {
             });
         }
         if reported.sent.elapsed() >= interval && !reported.curve.is_empty() {
-            reported.sent = Instant::now();
+            reported.sent = Moment::now();
             self.worker.send(&CurveLine {
                 curve: std::mem::take(&mut reported.curve),
             });
@@ -412,7 +438,7 @@ impl<'a> Page<'a> {
         match progress.stage {
             Stage::FloorFronts => reported.rounds = progress.step as f64,
             Stage::ErrorEstimate if reported.closed.is_none() => {
-                reported.closed = Some(Instant::now());
+                reported.closed = Some(Moment::now());
             }
             _ => {}
         }

@@ -2,9 +2,9 @@
 
 use crate::answers::{Solved, solve};
 use crate::cycle::SolvedCycle;
-use crate::jobs::{Failure, File, Worker};
 use crate::refusal::Refusal;
 use crate::request::{self, LoadPoint};
+use crate::worker::{Failure, File, Worker};
 use fakir::problem::{Load, Point};
 use fakir::state::{ContactState, Run};
 use fakir_case::{Case, Key};

@@ -89,7 +89,7 @@ const MANY_CELLS: f64 = 1.2e5;
 #[derive(Debug, Serialize)]
 pub(crate) struct ExpectedCells {
     /// Number of cells under the contact at the critical state.
-    cells: f64,
+    pub(crate) cells: f64,
     /// Number of cells across the free annulus.
     across_ring: f64,
     /// Whether the computation takes long.

@@ -64,7 +64,7 @@ impl Guard {
 
     /// Refuses a request that is not from the page of this server.
     pub(crate) fn check(&self, path: &str, headers: &HeaderMap) -> Result<(), Refusal> {
-        let forbidden = |message: &str| Err(Refusal::new(StatusCode::FORBIDDEN, message));
+        let forbidden = |message: &str| Err(Refusal::new(StatusCode::FORBIDDEN.as_u16(), message));
         let is_host = |host: &str| self.hosts.iter().any(|own| own == host);
         if !single_value(headers, &header::HOST).is_some_and(is_host) {
             return forbidden("the Host is not this server");

@@ -1,5 +1,7 @@
 //! Bodies of requests and responses.
 
+use crate::refusal::Refusal;
+use hyper::StatusCode;
 use hyper::body::{Body as _, Bytes, Frame, Incoming, SizeHint};
 use hyper::header::{self, HeaderValue};
 use std::convert::Infallible;
@@ -65,6 +67,19 @@ pub(crate) fn response(kind: &'static str, body: Body) -> Response {
 /// A complete response with the given content type.
 pub(crate) fn whole(kind: &'static str, contents: impl Into<Bytes>) -> Response {
     response(kind, Body::Whole(contents.into()))
+}
+
+/// A refusal as JSON.
+pub(crate) fn refused(refusal: &Refusal) -> Response {
+    let text = serde_json::to_vec(refusal).unwrap_or_default();
+    let mut response = whole("application/json", text);
+    *response.status_mut() = status(refusal);
+    response
+}
+
+/// Status of the response to a refused request.
+pub(crate) fn status(refusal: &Refusal) -> StatusCode {
+    StatusCode::from_u16(refusal.status).unwrap_or(StatusCode::BAD_REQUEST)
 }
 
 /// Reads the whole body of a request; `None` if it is incomplete or longer than `limit` bytes.

@@ -1,25 +1,25 @@
 //! Running computations: the newest of every page and kind, in limited number, on separate threads
 //! from those that respond to requests.
 
+use crate::dispatch::Work;
 use crate::http::{self, Body, Response};
 use crate::log;
 use crate::refusal::Refusal;
 use crate::request::Ticket;
-use fakir::state::{CancelToken, Progress, Run, SolveError};
-use fakir_figure::FigureError;
+use crate::worker::{Kind, Means, Message, Worker};
+use fakir::state::CancelToken;
 use hyper::StatusCode;
 use hyper::body::{Bytes, Frame};
 use rayon::ThreadPool;
-use serde::Serialize;
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::pin::Pin;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use tokio::sync::Semaphore;
-use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 
 /// Largest number of contacts and files computed at a time; each has a thread, and all share the pool.
 const SLOTS: usize = 4;
@@ -30,43 +30,11 @@ const BACKGROUND_SLOTS: usize = 4;
 /// Largest number of computations that wait for a slot.
 const QUEUE: usize = 32;
 
-/// Time limit of a computation.
+/// Longest time that a computation waits for a slot.
 const PATIENCE: Duration = Duration::from_secs(60);
-
-/// Time limit of a cycle, and of all points of a curve together.
-const LONG_PATIENCE: Duration = Duration::from_secs(600);
-
-/// Delay before the first progress report, and between reports.
-const PROGRESS_INTERVAL: Duration = Duration::from_millis(120);
 
 /// Longest name of a session.
 const LONGEST_SESSION: usize = 64;
-
-/// Kinds of requests; only the newest request of each kind is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(crate) enum Kind {
-    Contact,
-    /// It replaces a contact.
-    Cycle,
-    Curves,
-    Phase,
-    Export,
-}
-
-impl Kind {
-    /// Whether it pauses while contacts are computed.
-    fn is_background(self) -> bool {
-        matches!(self, Self::Curves | Self::Phase)
-    }
-
-    /// Time limit.
-    fn patience(self) -> Duration {
-        match self {
-            Self::Contact | Self::Export => PATIENCE,
-            Self::Cycle | Self::Curves | Self::Phase => LONG_PATIENCE,
-        }
-    }
-}
 
 /// Computations of all pages.
 #[derive(Debug)]
@@ -76,7 +44,7 @@ pub(crate) struct Jobs {
     background_slots: Arc<Semaphore>,
     waiting: AtomicUsize,
     foreground: AtomicUsize,
-    pool: ThreadPool,
+    pool: Arc<ThreadPool>,
     memory_limit: usize,
 }
 
@@ -88,7 +56,7 @@ impl Jobs {
             background_slots: Arc::new(Semaphore::new(BACKGROUND_SLOTS)),
             waiting: AtomicUsize::new(0),
             foreground: AtomicUsize::new(0),
-            pool,
+            pool: Arc::new(pool),
             memory_limit,
         }
     }
@@ -134,11 +102,11 @@ impl Jobs {
         self: &Arc<Self>,
         ticket: Ticket,
         kind: Kind,
-        work: impl FnOnce(&Worker) -> Result<(), Failure> + Send + 'static,
+        work: Work,
     ) -> Response {
         match self.begin(ticket, kind, work).await {
             Ok(response) => response,
-            Err(refusal) => refusal.response(),
+            Err(refusal) => http::refused(&refusal),
         }
     }
 
@@ -146,7 +114,7 @@ impl Jobs {
         self: &Arc<Self>,
         ticket: Ticket,
         kind: Kind,
-        work: impl FnOnce(&Worker) -> Result<(), Failure> + Send + 'static,
+        work: Work,
     ) -> Result<Response, Refusal> {
         let job = self.admit(ticket, kind)?;
         let connection = CancelOnDrop(job.cancel.clone());
@@ -155,11 +123,16 @@ impl Jobs {
             return Err(Refusal::stale());
         }
         let (sender, mut messages) = unbounded_channel();
-        let worker = Worker::new(job, kind, sender);
-        let (cancel, timed_out) = (worker.job.cancel.clone(), Arc::clone(&worker.timed_out));
+        let timed_out = Arc::<AtomicBool>::default();
+        let cancel = job.cancel.clone();
+        let means = self.means(&job, Arc::clone(&timed_out));
+        // A closed connection is ignored.
+        let send = move |message| drop(sender.send(message));
         let running = tokio::task::spawn_blocking(move || {
             let _slot = slot;
-            worker.do_work(work);
+            let is_background = kind.is_background();
+            let _foreground = (!is_background).then(|| Counted::up(&job.jobs.foreground));
+            Worker::new(kind, means, Arc::new(send)).do_work(work);
         });
         tokio::spawn(async move {
             tokio::pin!(running);
@@ -173,7 +146,7 @@ impl Jobs {
         });
         match messages.recv().await {
             Some(Message::Line(line)) => Ok(stream(Lines {
-                first: Some(line),
+                first: Some(line.into()),
                 messages,
                 _connection: connection,
             })),
@@ -183,10 +156,23 @@ impl Jobs {
             None => {
                 log::error("a computation broke off");
                 Err(Refusal::new(
-                    StatusCode::INTERNAL_SERVER_ERROR,
+                    StatusCode::INTERNAL_SERVER_ERROR.as_u16(),
                     "the computation broke off: this is a mistake in fakir",
                 ))
             }
+        }
+    }
+
+    /// What a computation may use.
+    fn means(self: &Arc<Self>, job: &Job, timed_out: Arc<AtomicBool>) -> Means {
+        let (jobs, cancel) = (Arc::clone(self), job.cancel.clone());
+        Means {
+            cancel: job.cancel.clone(),
+            pool: Some(Arc::clone(&self.pool)),
+            memory_limit: self.memory_limit,
+            most_cells: f64::INFINITY,
+            give_way: Arc::new(move || jobs.give_way(&cancel)),
+            timed_out,
         }
     }
 
@@ -201,7 +187,7 @@ impl Jobs {
     async fn slot(&self, kind: Kind) -> Result<tokio::sync::OwnedSemaphorePermit, Refusal> {
         let busy = || {
             Refusal::new(
-                StatusCode::SERVICE_UNAVAILABLE,
+                StatusCode::SERVICE_UNAVAILABLE.as_u16(),
                 "too many computations are under way: try again in a moment",
             )
         };
@@ -270,192 +256,11 @@ impl Drop for Job {
     }
 }
 
-/// Reason why a computation ends without a result.
-#[derive(Debug)]
-pub(crate) enum Failure {
-    Refused(Refusal),
-    /// It was cancelled.
-    Cancelled,
-}
-
-impl From<Refusal> for Failure {
-    fn from(refusal: Refusal) -> Self {
-        Self::Refused(refusal)
-    }
-}
-
-impl From<SolveError> for Failure {
-    fn from(error: SolveError) -> Self {
-        Refusal::of(&error).map_or(Self::Cancelled, Self::Refused)
-    }
-}
-
-impl From<FigureError> for Failure {
-    fn from(error: FigureError) -> Self {
-        Refusal::of_figure(&error).map_or(Self::Cancelled, Self::Refused)
-    }
-}
-
-enum Message {
-    Line(Bytes),
-    File(File),
-    Refused(Refusal),
-}
-
-/// A file to be saved by the browser.
-#[derive(Debug)]
-pub(crate) struct File {
-    pub(crate) kind: &'static str,
-    pub(crate) contents: Vec<u8>,
-}
-
-/// Context of a computation: run settings, and the destination of the response.
-pub(crate) struct Worker {
-    job: Job,
-    kind: Kind,
-    messages: UnboundedSender<Message>,
-    timed_out: Arc<AtomicBool>,
-    listener: Box<dyn Fn(Progress) + Sync + Send>,
-    way: Arc<Mutex<Option<Way>>>,
-}
-
-/// Progress of loading and unloading.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-pub(crate) struct Way {
-    pub(crate) loading: bool,
-    pub(crate) indentation_m: f64,
-    /// Approximate fraction of the computation, 0 to 1.
-    pub(crate) share: f64,
-}
-
-#[derive(Serialize)]
-struct ProgressLine<'a> {
-    progress: ProgressWords<'a>,
-}
-
-#[derive(Serialize)]
-struct ProgressWords<'a> {
-    stage: &'a str,
-    step: usize,
-    pillars: usize,
-    touched: usize,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    way: Option<Way>,
-}
-
-impl Worker {
-    fn new(job: Job, kind: Kind, messages: UnboundedSender<Message>) -> Self {
-        let sender = messages.clone();
-        let last = Mutex::new(Instant::now());
-        let (jobs, cancel) = (Arc::clone(&job.jobs), job.cancel.clone());
-        let way = Arc::<Mutex<Option<Way>>>::default();
-        let known_way = Arc::clone(&way);
-        let listener = move |progress: Progress| {
-            if kind.is_background() {
-                // A state with the floor can take seconds; it also pauses during its computation.
-                jobs.give_way(&cancel);
-                return;
-            }
-            let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
-            if last.elapsed() >= PROGRESS_INTERVAL {
-                *last = Instant::now();
-                let progress = ProgressWords {
-                    stage: progress.stage.description(),
-                    step: progress.step,
-                    pillars: progress.pillars,
-                    touched: progress.touched,
-                    way: *known_way.lock().unwrap_or_else(PoisonError::into_inner),
-                };
-                // A closed connection is ignored.
-                let _ = sender.send(line(&ProgressLine { progress }));
-            }
-        };
-        Self {
-            job,
-            kind,
-            messages,
-            timed_out: Arc::default(),
-            listener: Box::new(listener),
-            way,
-        }
-    }
-
-    /// Progress is sent with the position of the lens.
-    pub(crate) fn is_at(&self, way: Way) {
-        *self.way.lock().unwrap_or_else(PoisonError::into_inner) = Some(way);
-    }
-
-    fn do_work(self, work: impl FnOnce(&Self) -> Result<(), Failure>) {
-        let jobs = Arc::clone(&self.job.jobs);
-        let _foreground = (!self.kind.is_background()).then(|| Counted::up(&jobs.foreground));
-        let refusal = match work(&self) {
-            Ok(()) => return,
-            Err(Failure::Refused(refusal)) => refusal,
-            Err(Failure::Cancelled) if self.timed_out.load(Ordering::Relaxed) => {
-                let patience = self.kind.patience().as_secs();
-                let accepted = match self.kind {
-                    Kind::Cycle => "fewer pillars, or `fakir cycle`",
-                    _ => "fewer pillars, a coarser method, or `fakir transition`",
-                };
-                Refusal::impossible(format!("this takes longer than {patience} s"))
-                    .accepted(accepted)
-            }
-            Err(Failure::Cancelled) => return,
-        };
-        let _ = self.messages.send(Message::Refused(refusal));
-    }
-
-    /// Run settings of contacts: all threads in the foreground, one in the background.
-    pub(crate) fn run(&self) -> Run<'_> {
-        let background = self.kind.is_background();
-        let listener: &(dyn Fn(Progress) + Sync) = &*self.listener;
-        Run {
-            cancel: self.job.cancel.clone(),
-            // Files are sent without progress.
-            progress: (self.kind != Kind::Export).then_some(listener),
-            pool: (!background).then_some(&self.job.jobs.pool),
-            memory_limit: Some(self.job.jobs.memory_limit),
-            ..Run::default()
-        }
-    }
-
-    /// Sends a line of the response.
-    pub(crate) fn send(&self, value: &impl Serialize) {
-        let _ = self.messages.send(line(value));
-    }
-
-    /// Sends the response as a file.
-    pub(crate) fn send_file(&self, file: File) {
-        let _ = self.messages.send(Message::File(file));
-    }
-
-    /// Waits until no contact is being solved.
-    pub(crate) fn give_way(&self) -> Result<(), Failure> {
-        self.job.jobs.give_way(&self.job.cancel);
-        match self.job.cancel.is_cancelled() {
-            true => Err(Failure::Cancelled),
-            false => Ok(()),
-        }
-    }
-}
-
-fn line(value: &impl Serialize) -> Message {
-    let mut text = serde_json::to_vec(value).unwrap_or_default();
-    text.push(b'\n');
-    Message::Line(text.into())
-}
-
 /// Lines of a response as they are produced.
 struct Lines {
     first: Option<Bytes>,
     messages: UnboundedReceiver<Message>,
     _connection: CancelOnDrop,
-}
-
-#[derive(Serialize)]
-struct RefusedLine {
-    refused: Refusal,
 }
 
 impl hyper::body::Body for Lines {
@@ -469,17 +274,9 @@ impl hyper::body::Body for Lines {
         if let Some(first) = self.first.take() {
             return Poll::Ready(Some(Ok(Frame::data(first))));
         }
-        self.messages.poll_recv(context).map(|message| {
-            let bytes = match message? {
-                Message::Line(line) => line,
-                Message::Refused(refused) => match line(&RefusedLine { refused }) {
-                    Message::Line(line) => line,
-                    _ => return None,
-                },
-                Message::File(_) => return None,
-            };
-            Some(Ok(Frame::data(bytes)))
-        })
+        self.messages
+            .poll_recv(context)
+            .map(|message| Some(Ok(Frame::data(message?.into_line()?.into()))))
     }
 }
 

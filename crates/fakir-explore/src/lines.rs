@@ -11,7 +11,7 @@ use serde::Serialize;
 pub(crate) struct Texts {
     /// The case file.
     toml: String,
-    command: String,
+    pub(crate) command: String,
     python: String,
 }
 

@@ -2,11 +2,7 @@
 //! loaded from elsewhere.
 
 use crate::http::{Response, whole};
-use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
-use fakir_case::{Case, Key, Kind};
 use hyper::StatusCode;
-use serde_json::{Value, json};
-use std::ops::Bound;
 
 /// A script of the page, by its name.
 macro_rules! script {
@@ -33,14 +29,20 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("controls"),
     script!("diagrams"),
     script!("engine"),
+    script!("lecture"),
     script!("main"),
     script!("map"),
+    script!("measured"),
+    script!("module"),
     script!("numbers"),
     script!("readouts"),
     script!("requests"),
     script!("scene"),
     script!("screen"),
     script!("section"),
+    script!("server"),
+    script!("shown"),
+    script!("sketch"),
     script!("store"),
     script!("theme"),
 ];
@@ -64,118 +66,4 @@ pub(crate) fn message(status: StatusCode, text: &str) -> Response {
     let mut response = whole("text/plain; charset=utf-8", format!("{text}\n"));
     *response.status_mut() = status;
     response
-}
-
-/// Initial data of the page: the case, the paper's intermediate case, the properties of all keys from the key table, and
-/// limits.
-pub(crate) fn start(case: &Case) -> String {
-    let colours: Vec<[u8; 3]> = (0..=255u32)
-        .map(|k| {
-            let colorous::Color { r, g, b } =
-                colorous::VIRIDIS.eval_continuous(f64::from(k) / 255.0);
-            [r, g, b]
-        })
-        .collect();
-    json!({
-        "version": fakir_study::VERSION,
-        "case": of_case(case),
-        "paper": of_case(&Case::example()),
-        "keys": keys(),
-        "colours": colours,
-        "most_pillars": MOST_PILLARS,
-        "farthest_load": FARTHEST,
-    })
-    .to_string()
-}
-
-/// Properties of each key on the page, from the key table: name and symbol, kind, words, bounds and default, and
-/// the word of another key that it requires. The controls of the page are generated from them.
-fn keys() -> Vec<Value> {
-    let of_page = Key::ALL.into_iter();
-    let of_page = of_page.filter(|key| !key.is_of_surface() && is_on_page(*key));
-    let bound = |bound| match bound {
-        Bound::Included(value) | Bound::Excluded(value) => Some(value),
-        Bound::Unbounded => None,
-    };
-    of_page
-        .map(|key| {
-            let (lower, upper) = key.bounds();
-            json!({
-                "key": key.path(),
-                "table": key.table(),
-                "label": key.label(),
-                "symbol": key.symbol(),
-                "meaning": key.summary(),
-                "dimension": match key.kind() {
-                    Kind::Number(dimension) => Some(dimension.noun()),
-                    Kind::Word | Kind::Text => None,
-                },
-                "least": bound(lower),
-                "greatest": bound(upper),
-                "usual": key.usual(),
-                "whole": key.is_whole(),
-                "infinite": is_thickness(key),
-                "words": words(key),
-                "default": key.default(),
-                "alternative": key.alternative().map(Key::path),
-                "goes_with": key.goes_with().and_then(|(choice, words)| {
-                    let is_here = !choice.is_of_surface() && is_on_page(choice);
-                    is_here.then(|| json!({ "key": choice.path(), "words": words }))
-                }),
-            })
-        })
-        .collect()
-}
-
-/// Words of a key that the page supports.
-fn words(key: Key) -> Vec<&'static str> {
-    let all = key.words().into_iter();
-    all.filter(|word| key != Key::Lattice || LATTICES.contains(word))
-        .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The initial data contain the case and the properties of its controls from the key table.
-    #[test]
-    fn the_page_starts_with_the_case_and_its_keys() {
-        let start: Value = serde_json::from_str(&start(&Case::example())).unwrap();
-        assert_eq!(start["case"]["lens.radius"], 2.2e-3);
-        assert_eq!(start["case"]["method.name"], "spectral");
-        assert_eq!(start["case"].get("pattern.pitch"), None);
-        let keys = start["keys"].as_array().unwrap();
-        let key = |path: &str| keys.iter().find(|key| key["key"] == path).unwrap();
-        let ratio = key("substrate.poisson_ratio");
-        assert_eq!(
-            (&ratio["least"], &ratio["greatest"]),
-            (&json!(0.0), &json!(0.5))
-        );
-        let radius = key("lens.radius");
-        assert_eq!(radius["dimension"], "length");
-        assert_eq!(
-            (&radius["label"], &radius["symbol"]),
-            (&json!("radius"), &json!("R"))
-        );
-        assert_eq!(radius["usual"], json!([1e-5, 0.1]));
-        assert_eq!(ratio["usual"], json!([0.0, 0.5]));
-        assert_eq!(key("pattern.surface_fraction")["label"], "surface fraction");
-        assert_eq!(key("method.cells_per_diameter")["whole"], true);
-        assert_eq!(key("substrate.thickness")["infinite"], true);
-        assert_eq!(radius["infinite"], false);
-        assert_eq!(start["paper"]["substrate.young_modulus"], 2e6);
-        assert_eq!(key("lens.radius")["goes_with"], Value::Null);
-        let form = key("method.form");
-        assert_eq!(form["words"], json!(["corrected", "plain"]));
-        assert_eq!(form["default"], "corrected");
-        assert_eq!(form["goes_with"]["words"], json!(["punch"]));
-        assert_eq!(
-            key("pattern.pitch")["alternative"],
-            "pattern.surface_fraction"
-        );
-        for path in start["case"].as_object().unwrap().keys() {
-            key(path);
-        }
-    }
 }

@@ -1,17 +1,26 @@
 //! Error responses: what is wrong, at which key, and what is accepted.
 
-use crate::http::{self, Response};
 use fakir::state::SolveError;
 use fakir_case::{CaseError, Key};
 use fakir_figure::FigureError;
-use hyper::StatusCode;
 use serde::Serialize;
+
+/// Status of an invalid request.
+const BAD_REQUEST: u16 = 400;
+
+/// Status of a request that a newer one replaced.
+#[cfg(feature = "server")]
+const CONFLICT: u16 = 409;
+
+/// Status of a valid request without a result.
+const UNPROCESSABLE_ENTITY: u16 = 422;
 
 /// Reason why a request is refused.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct Refusal {
+    /// Status of HTTP.
     #[serde(skip)]
-    pub(crate) status: StatusCode,
+    pub(crate) status: u16,
     /// Key of the case that causes the error, if any.
     key: Option<String>,
     message: String,
@@ -19,7 +28,7 @@ pub(crate) struct Refusal {
 }
 
 impl Refusal {
-    pub(crate) fn new(status: StatusCode, message: impl Into<String>) -> Self {
+    pub(crate) fn new(status: u16, message: impl Into<String>) -> Self {
         Self {
             status,
             key: None,
@@ -30,17 +39,18 @@ impl Refusal {
 
     /// An invalid request.
     pub(crate) fn malformed(message: impl Into<String>) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, message)
+        Self::new(BAD_REQUEST, message)
     }
 
     /// A valid request for a case without a result.
     pub(crate) fn impossible(message: impl Into<String>) -> Self {
-        Self::new(StatusCode::UNPROCESSABLE_ENTITY, message)
+        Self::new(UNPROCESSABLE_ENTITY, message)
     }
 
     /// A newer request of the same kind was received.
+    #[cfg(feature = "server")]
     pub(crate) fn stale() -> Self {
-        Self::new(StatusCode::CONFLICT, "a newer request took its place")
+        Self::new(CONFLICT, "a newer request took its place")
     }
 
     pub(crate) fn at(mut self, key: impl Into<String>) -> Self {
@@ -53,16 +63,9 @@ impl Refusal {
         self
     }
 
+    #[cfg(feature = "server")]
     pub(crate) fn message(&self) -> &str {
         &self.message
-    }
-
-    /// The refusal as JSON.
-    pub(crate) fn response(&self) -> Response {
-        let text = serde_json::to_vec(self).unwrap_or_default();
-        let mut response = http::whole("application/json", text);
-        *response.status_mut() = self.status;
-        response
     }
 
     /// Response to a computation that failed; `None` if it was cancelled.
@@ -88,7 +91,7 @@ impl Refusal {
 impl From<CaseError> for Refusal {
     fn from(error: CaseError) -> Self {
         Self {
-            status: StatusCode::UNPROCESSABLE_ENTITY,
+            status: UNPROCESSABLE_ENTITY,
             key: error.key_path().map(str::to_owned),
             message: error.problem().to_owned(),
             accepted: error.what_is_accepted().map(str::to_owned),

@@ -23,6 +23,10 @@ pub(crate) const FARTHEST: f64 = 2.5;
 /// a page, only the newest is computed.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[cfg_attr(
+    not(feature = "server"),
+    expect(dead_code, reason = "only the server has several pages")
+)]
 pub(crate) struct Ticket {
     pub(crate) session: String,
     pub(crate) sequence: u64,

@@ -2,12 +2,13 @@
 
 use crate::arrivals::{Connection, Connections};
 use crate::guard::{Guard, HEADERS, Token};
-use crate::http::{Request, Response, read};
-use crate::jobs::{Failure, Jobs, Kind, Worker};
+use crate::http::{self, Request, Response, read, refused};
+use crate::jobs::Jobs;
 use crate::log::Log;
 use crate::refusal::Refusal;
-use crate::request::Ticket;
-use crate::{answers, cycle, export, page, request};
+use crate::start::start;
+use crate::worker::Kind;
+use crate::{dispatch, page, request};
 use fakir::state::{CancelToken, Threads};
 use fakir_case::Case;
 use hyper::header::{self, HeaderValue};
@@ -16,15 +17,11 @@ use hyper::service::service_fn;
 use hyper::{Method, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use rayon::ThreadPoolBuilder;
-use serde::de::DeserializeOwned;
 use std::convert::Infallible;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, TcpListener};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Largest body of a request, bytes.
-const LARGEST_BODY: usize = 32 * 1024;
 
 /// Largest head of a request, bytes.
 const LARGEST_HEAD: usize = 32 * 1024;
@@ -142,7 +139,7 @@ impl Explorer {
         let shared = Shared {
             guard: Guard::new(token.clone(), port),
             jobs: Arc::new(Jobs::new(pool, options.memory_limit)),
-            start: page::start(&options.case).into(),
+            start: start(&options.case).into(),
             log: Log {
                 quiet: options.quiet,
             },
@@ -253,7 +250,7 @@ async fn answer(shared: &Shared, connection: &Connection, request: Request) -> R
     let checked = checked.and_then(|()| match connection.stay() {
         true => Ok(()),
         false => Err(Refusal::new(
-            StatusCode::SERVICE_UNAVAILABLE,
+            StatusCode::SERVICE_UNAVAILABLE.as_u16(),
             "too many connections",
         )),
     });
@@ -265,9 +262,9 @@ async fn answer(shared: &Shared, connection: &Connection, request: Request) -> R
             let line = format!("refused {method} request of {what}: {why}");
             shared.log.warn(&line);
             let mut response = if api {
-                refusal.response()
+                refused(&refusal)
             } else {
-                page::message(refusal.status, refusal.message())
+                page::message(http::status(&refusal), refusal.message())
             };
             let close = HeaderValue::from_static("close");
             response.headers_mut().insert(header::CONNECTION, close);
@@ -281,17 +278,10 @@ async fn answer(shared: &Shared, connection: &Connection, request: Request) -> R
 /// Handler of a path and a method.
 async fn route(shared: &Shared, request: Request) -> Response {
     let path = request.uri().path().to_owned();
-    let is_post = request.method() == Method::POST;
-    match path.as_str() {
-        "/api/contact" if is_post => contact(shared, request).await,
-        "/api/cycle" if is_post => with_adhesion(shared, request).await,
-        "/api/curves" if is_post => curves(shared, request).await,
-        "/api/phase" if is_post => phase(shared, request).await,
-        "/api/export" if is_post => export(shared, request).await,
-        "/api/contact" | "/api/cycle" | "/api/curves" | "/api/phase" | "/api/export" => {
-            wrong_method(shared, request.method(), "POST")
-        }
-        path => file(shared, request.method(), path),
+    match path.strip_prefix("/api/").and_then(Kind::named) {
+        Some(kind) if request.method() == Method::POST => work(shared, request, kind).await,
+        Some(_) => wrong_method(shared, request.method(), "POST"),
+        None => file(shared, request.method(), &path),
     }
 }
 
@@ -329,74 +319,40 @@ fn wrong_method(shared: &Shared, method: &Method, allowed: &'static str) -> Resp
     response
 }
 
-async fn contact(shared: &Shared, request: Request) -> Response {
-    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    work(shared, request, Kind::Contact, ticket, answers::contact).await
-}
-
-async fn with_adhesion(shared: &Shared, request: Request) -> Response {
-    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    work(shared, request, Kind::Cycle, ticket, cycle::cycle).await
-}
-
-async fn curves(shared: &Shared, request: Request) -> Response {
-    let ticket = |asked: &request::Curves| asked.ticket.clone();
-    work(shared, request, Kind::Curves, ticket, answers::curves).await
-}
-
-async fn phase(shared: &Shared, request: Request) -> Response {
-    let ticket = |asked: &request::AtLoad| asked.ticket.clone();
-    work(shared, request, Kind::Phase, ticket, answers::phase).await
-}
-
-async fn export(shared: &Shared, request: Request) -> Response {
-    let ticket = |asked: &request::Export| asked.ticket.clone();
-    work(shared, request, Kind::Export, ticket, export::export).await
-}
-
-/// Reads a request and dispatches it.
-async fn work<T: DeserializeOwned + Send + 'static>(
-    shared: &Shared,
-    request: Request,
-    kind: Kind,
-    ticket: fn(&T) -> Ticket,
-    work: fn(&T, &Worker) -> Result<(), Failure>,
-) -> Response {
-    let asked: T = match body(request).await {
-        Ok(asked) => asked,
+/// Reads a request and has it computed.
+async fn work(shared: &Shared, request: Request, kind: Kind) -> Response {
+    let asked = body(request, kind.largest_body()).await;
+    match asked.and_then(|body| dispatch::read(kind, &body)) {
+        Ok((ticket, work)) => shared.jobs.answer(ticket, kind, work).await,
         Err(refusal) => {
             let line = format!("refused a request of the API: {}", refusal.message());
             shared.log.warn(&line);
-            return refusal.response();
+            refused(&refusal)
         }
-    };
-    let ticket = ticket(&asked);
-    let work = move |worker: &Worker| work(&asked, worker);
-    shared.jobs.answer(ticket, kind, work).await
+    }
 }
 
 /// Body of a request: a JSON object of limited size, received within a time limit.
-async fn body<T: DeserializeOwned>(request: Request) -> Result<T, Refusal> {
+async fn body(request: Request, largest: usize) -> Result<Vec<u8>, Refusal> {
     let kind = request.headers().get(header::CONTENT_TYPE);
     let is_json = kind
         .and_then(|kind| kind.to_str().ok())
         .is_some_and(|kind| kind.split(';').next().map(str::trim) == Some("application/json"));
     if !is_json {
         return Err(Refusal::new(
-            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            StatusCode::UNSUPPORTED_MEDIA_TYPE.as_u16(),
             "the body must be application/json",
         ));
     }
-    let bytes = read(request.into_body(), LARGEST_BODY);
+    let bytes = read(request.into_body(), largest);
     match tokio::time::timeout(REQUEST_PATIENCE, bytes).await {
-        Ok(Some(bytes)) => serde_json::from_slice(&bytes)
-            .map_err(|error| Refusal::malformed(format!("not such a request: {error}"))),
+        Ok(Some(bytes)) => Ok(bytes),
         Ok(None) => Err(Refusal::new(
-            StatusCode::PAYLOAD_TOO_LARGE,
-            format!("the body broke off, or is larger than {LARGEST_BODY} bytes"),
+            StatusCode::PAYLOAD_TOO_LARGE.as_u16(),
+            format!("the body broke off, or is larger than {largest} bytes"),
         )),
         Err(_) => Err(Refusal::new(
-            StatusCode::REQUEST_TIMEOUT,
+            StatusCode::REQUEST_TIMEOUT.as_u16(),
             "the body did not come in time",
         )),
     }

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fmt;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 /// Version of the format written here.
@@ -169,11 +169,24 @@ pub(crate) fn is_journal(path: &Path) -> bool {
 
 /// Whether a sweep is writing a journal.
 pub(crate) fn is_running(path: &Path) -> bool {
-    let locked = |file: File| {
-        let lock = fs4::FileExt::try_lock(&file);
-        matches!(lock, Err(fs4::TryLockError::WouldBlock))
-    };
-    File::options().write(true).open(path).is_ok_and(locked)
+    let is_locked = |file: File| matches!(try_lock(&file), Ok(false));
+    File::options().write(true).open(path).is_ok_and(is_locked)
+}
+
+/// Locks a file; false if another program has locked it.
+#[cfg(any(unix, windows))]
+fn try_lock(file: &File) -> io::Result<bool> {
+    match fs4::FileExt::try_lock(file) {
+        Ok(()) => Ok(true),
+        Err(fs4::TryLockError::WouldBlock) => Ok(false),
+        Err(fs4::TryLockError::Error(error)) => Err(error),
+    }
+}
+
+/// Without files there are no other programs that write to them.
+#[cfg(not(any(unix, windows)))]
+fn try_lock(_file: &File) -> io::Result<bool> {
+    Ok(true)
 }
 
 /// A locked journal, open for writing.
@@ -191,12 +204,10 @@ impl Journal {
         let file = options
             .open(&path)
             .map_err(|error| StudyError::file("cannot write", &path, error))?;
-        match fs4::FileExt::try_lock(&file) {
-            Ok(()) => Ok(Self { file, path }),
-            Err(fs4::TryLockError::WouldBlock) => Err(StudyError::InUse(folder.to_owned())),
-            Err(fs4::TryLockError::Error(error)) => {
-                Err(StudyError::file("cannot lock", &path, error))
-            }
+        match try_lock(&file) {
+            Ok(true) => Ok(Self { file, path }),
+            Ok(false) => Err(StudyError::InUse(folder.to_owned())),
+            Err(error) => Err(StudyError::file("cannot lock", &path, error)),
         }
     }
 
@@ -243,11 +254,11 @@ impl Journal {
             .map_err(|error| self.unwritable(error))
     }
 
-    fn unreadable(&self, error: std::io::Error) -> StudyError {
+    fn unreadable(&self, error: io::Error) -> StudyError {
         StudyError::file("cannot read", &self.path, error)
     }
 
-    fn unwritable(&self, error: std::io::Error) -> StudyError {
+    fn unwritable(&self, error: io::Error) -> StudyError {
         StudyError::Journal {
             path: self.path.clone(),
             error,

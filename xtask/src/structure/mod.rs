@@ -19,7 +19,7 @@ use std::ffi::OsStr;
 use std::path::{Path as FilePath, PathBuf};
 
 /// The crates; each depends only on crates before it.
-const CRATES: [&str; 10] = [
+const CRATES: [&str; 11] = [
     "fakir-fft",
     "fakir",
     "fakir-case",
@@ -28,6 +28,7 @@ const CRATES: [&str; 10] = [
     "fakir-inverse",
     "fakir-paper",
     "fakir-explore",
+    "fakir-page",
     "fakir-cli",
     "fakir-py",
 ];

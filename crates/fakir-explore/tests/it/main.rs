@@ -6,3 +6,4 @@ mod cycle;
 mod odd_requests;
 mod running;
 mod server;
+mod without_server;

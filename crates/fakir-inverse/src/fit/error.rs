@@ -189,7 +189,9 @@ impl FitError {
         }
     }
 
-    pub(super) fn is_interruption(&self) -> bool {
+    /// Whether the fit was cancelled.
+    #[must_use]
+    pub fn is_interruption(&self) -> bool {
         matches!(self, Self::Solve(SolveError::Interrupted))
     }
 

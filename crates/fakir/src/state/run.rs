@@ -83,7 +83,9 @@ impl Run<'_> {
     /// The memory limit of the computation, bytes: as set, or 8 GB.
     #[must_use]
     pub fn memory_limit(&self) -> usize {
-        self.memory_limit.unwrap_or(8_000_000_000)
+        // Addresses of WebAssembly have 32 bits.
+        let usual = usize::try_from(8_000_000_000_u64).unwrap_or(usize::MAX);
+        self.memory_limit.unwrap_or(usual)
     }
 
     /// Threads and cancellation of this computation.

@@ -1,0 +1,80 @@
+//! The page without a server: `cargo xtask page` compiles the explorer's answers to WebAssembly, and writes the page to `target/fakir-page`.
+
+use crate::shell::{run, target_folder};
+use crate::tests::EXCLUDED;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The target of the module.
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Vector instructions of WebAssembly.
+const FLAGS: &str = "-C target-feature=+simd128";
+
+/// Builds the page; returns its folder.
+pub(crate) fn build(cargo: &OsStr) -> Result<PathBuf, String> {
+    let target = target_folder()?;
+    has_target()?;
+    run(Command::new(cargo)
+        .args([
+            "build",
+            "--locked",
+            "--profile",
+            "page",
+            "--package",
+            "fakir-page",
+        ])
+        .args(["--target", TARGET])
+        .env("CARGO_TARGET_DIR", &target)
+        .env("RUSTFLAGS", FLAGS))?;
+    // With the features of the tests, so that nothing is compiled twice.
+    let mut example = Command::new(cargo);
+    example.args(["build", "--release", "--locked", "--workspace"]);
+    for name in EXCLUDED {
+        example.args(["--exclude", name]);
+    }
+    run(example.args(["--example", "page"]))?;
+    let folder = target.join("fakir-page");
+    let module = target.join(TARGET).join("page/fakir_page.wasm");
+    let program = format!("release/examples/page{}", std::env::consts::EXE_SUFFIX);
+    run(Command::new(target.join(program))
+        .args([&module, &folder])
+        .env("CARGO", cargo))?;
+    let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |file| file.len());
+    println!(
+        "{}: fakir.html {:.1} MB; index.html with fakir.wasm {:.1} MB",
+        folder.display(),
+        size("fakir.html") as f64 / 1e6,
+        size("fakir.wasm") as f64 / 1e6
+    );
+    Ok(folder)
+}
+
+/// Whether the standard library for the target is installed; rustup installs it if it is not.
+fn has_target() -> Result<(), String> {
+    let installed = || {
+        let output = Command::new("rustc")
+            .args(["--print", "target-libdir", "--target", TARGET])
+            .output()
+            .ok()?;
+        let folder = String::from_utf8(output.stdout).ok()?;
+        Path::new(folder.trim()).is_dir().then_some(())
+    };
+    if installed().is_some() {
+        return Ok(());
+    }
+    println!("the target {TARGET} is not installed: trying rustup");
+    let added = run(Command::new("rustup").args(["target", "add", TARGET]));
+    match (added, installed()) {
+        (_, Some(())) => Ok(()),
+        (added, None) => Err(format!(
+            "the page needs the target {TARGET} of the Rust compiler{}: install it with \
+             `rustup target add {TARGET}`, or with the package of your system (libstd-rust-dev-wasm32)",
+            added
+                .err()
+                .map(|why| format!(" ({why})"))
+                .unwrap_or_default()
+        )),
+    }
+}
