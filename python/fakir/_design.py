@@ -153,9 +153,9 @@ def design(
         Target fraction of the load carried by the floor past the transition, as in ``0.2`` or ``"20 %"``, and the load at which
         it applies: a force (N) or an indentation (m). It is met within its estimated error.
     pull_off
-        Target pull-off force (N, as a positive number) on unloading from the critical state, for a system with adhesion. It is
-        met within its numerical error. Exactly one of ``critical_force``, ``critical_contact_radius``, ``floor_share`` and
-        ``pull_off`` must be given.
+        Target pull-off force (N, as a positive number) on unloading from the critical state, or from the contact at ``at_force``
+        or ``at_indentation``, for a system with adhesion. It is met within its numerical error. Exactly one of
+        ``critical_force``, ``critical_contact_radius``, ``floor_share`` and ``pull_off`` must be given.
     force, contact_radius
         The older names of these.
 
@@ -173,8 +173,13 @@ def design(
         raise TypeError(
             "give exactly one of critical_force, critical_contact_radius, floor_share and pull_off"
         )
-    if floor_share is None and (at_force is not None or at_indentation is not None):
-        raise TypeError("at_force and at_indentation are the load of a floor_share: give it too")
+    is_loaded = at_force is not None or at_indentation is not None
+    if floor_share is None and pull_off is None and is_loaded:
+        raise TypeError(
+            "at_force and at_indentation are the load of floor_share or pull_off: give one of these"
+        )
+    if at_force is not None and at_indentation is not None:
+        raise TypeError("give exactly one of at_force and at_indentation")
     if floor_share is not None and (at_force is None) == (at_indentation is None):
         raise TypeError("give the load of floor_share: exactly one of at_force and at_indentation")
     wanted_force = (
@@ -186,16 +191,14 @@ def design(
         else si(critical_contact_radius, "length", "critical_contact_radius")
     )
     run = options(threads, progress, memory_limit)
-    wanted_share = (
-        None
-        if floor_share is None
-        else (
-            si(floor_share, "fraction", "floor_share"),
-            None if at_force is None else si(at_force, "force", "at_force"),
-            None if at_indentation is None else si(at_indentation, "length", "at_indentation"),
-        )
+    load = (
+        None if at_force is None else si(at_force, "force", "at_force"),
+        None if at_indentation is None else si(at_indentation, "length", "at_indentation"),
     )
-    wanted_pull = None if pull_off is None else si(pull_off, "force", "pull_off")
+    wanted_share = (
+        None if floor_share is None else (si(floor_share, "fraction", "floor_share"), *load)
+    )
+    wanted_pull = None if pull_off is None else (si(pull_off, "force", "pull_off"), *load)
     wanted = (wanted_force, wanted_radius, wanted_share, wanted_pull)
     summary, found = _fakir.design(system._case, free, wanted, run)
     answer = json.loads(summary)

@@ -301,7 +301,7 @@ def design(
         float | None,
         float | None,
         tuple[float, float | None, float | None] | None,
-        float | None,
+        tuple[float, float | None, float | None] | None,
     ],
     options: Options,
 ) -> tuple[str, list[tuple[float, Case, Critical | State | Cycle]]]: ...

@@ -102,21 +102,23 @@ class CycleError(NamedTuple):
     degree: float
     'Part of it from the degree of the pressure on pillar tops.'
     model: float
-    'Estimated relative error of the model: the sum of the next two.'
+    'Estimated relative error of the model: the sum of the next three.'
     model_fronts: float
     'Part of it from the possible shapes of the fronts.'
     model_columns: float
     'Part of it because columns do not tilt under eccentric tension as real pillars do.'
+    model_corners: float
+    'Part of it because the stress at the corners of elastic pillars is less singular than that at the rim of a flat punch: the increase for flaws of 1 % of the radius at the rims.'
 
 class CycleErrors(NamedTuple):
     critical_force: CycleError | None = None
-    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns, model_corners.'
     critical_indentation: CycleError | None = None
-    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns, model_corners.'
     pull_off_force: CycleError | None = None
-    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns, model_corners.'
     hysteresis: CycleError | None = None
-    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns.'
+    '`CycleError` with numerical, levels, rim_angles, degree, model, model_fronts, model_columns, model_corners.'
 
 class FlatCycleErrors(NamedTuple):
     turn_force: float
@@ -342,9 +344,9 @@ class CycleNumbers(Answer):
     pull_off_pillars_in_contact: Number[int | None]
     'Pillars in contact at pull-off.'
     kendall_pull_off_force: Number[float]
-    'Pull-off force of a single pillar with a flat top (Kendall) (N).'
+    'Pull-off force of a single pillar of the common diameter with a flat top (Kendall) (N).'
     normalized_pull_off_force: Number[float | None]
-    'Pull-off force over that of a single pillar: the equivalent number of independent pillars.'
+    'Pull-off force over that of a single pillar of the common diameter: the equivalent number of independent pillars.'
     last_release_indentation: Number[float | None]
     'Indentation at which the last pillar detaches (m); None if something is still in contact.'
     work_of_separation: Number[float]

@@ -160,7 +160,7 @@ def test_the_numbers_are_those_of_the_command_line(explore, expected):
         assert quantity(page.text(name)) == pytest.approx(value, rel=0.05), name
     error = expected["relative_error_estimate"]["pull_off_force"]
     assert error["model_fronts"] == 0.05
-    model = error["model_fronts"] + error["model_columns"]
+    model = error["model_fronts"] + error["model_columns"] + error["model_corners"]
     assert page.text("pull-off-error") == f"error 0.03, model error {model:.1g}"
     assert page.text("pull-off-pillars").startswith(f"{expected['pull_off_pillars_in_contact']} pillars")
     assert page.text("plain-critical").endswith("without adhesion")

@@ -245,7 +245,7 @@ def test_design_of_a_floor_share(system):
     for wrong, match in [
         ({"floor_share": 0.2}, "exactly one of at_force and at_indentation"),
         ({"floor_share": 0.2, "at_force": 1e-3, "at_indentation": 1e-6}, "exactly one of at_force"),
-        ({"critical_force": 1e-3, "at_force": 1e-3}, "give it too"),
+        ({"critical_force": 1e-3, "at_force": 1e-3}, "give one of these"),
         ({"critical_force": 1e-3, "floor_share": 0.2, "at_force": 1e-3}, "exactly one of critical_force"),
     ]:
         with pytest.raises(TypeError, match=match):

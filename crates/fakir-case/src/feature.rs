@@ -14,7 +14,6 @@ pub(crate) fn named(feature: Feature) -> &'static str {
         Feature::TiltedPlate => "tilted plate",
         Feature::OtherArrangement => "other arrangement than the infinite hexagonal lattice",
         Feature::SeveralDiameters => "pillars of several diameters",
-        Feature::SeveralColumns => "columns of several heights",
         Feature::Periodic => "periodic surface",
         Feature::Layer => "lens or substrate of finite thickness",
         Feature::ElasticPillars => "elastic pillars",
@@ -50,7 +49,6 @@ fn keys_with(feature: Feature) -> &'static [Key] {
             Key::VacancyFraction,
         ],
         Feature::SeveralDiameters => &[Key::PillarDiameter],
-        Feature::SeveralColumns => &[Key::PillarHeight, Key::PillarCompliance],
         Feature::Periodic => &[Key::Boundary],
         Feature::Layer => &[Key::SubstrateThickness, Key::LensThickness],
         Feature::ElasticPillars => &[Key::PillarCompliance],
@@ -81,10 +79,7 @@ impl CaseFile {
             Feature::AdhesiveFloor => pattern.adhesion.floor.0,
             Feature::FloorInteraction => parts.interactions.act_on_floor(),
             // These are determined from a system, or have a different meaning on other surfaces.
-            Feature::OtherArrangement
-            | Feature::SeveralDiameters
-            | Feature::SeveralColumns
-            | Feature::IgnoredFloor => false,
+            Feature::OtherArrangement | Feature::SeveralDiameters | Feature::IgnoredFloor => false,
         };
         Feature::ALL.into_iter().filter(has).collect()
     }

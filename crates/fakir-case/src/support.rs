@@ -127,7 +127,6 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let of_pillars = [
         Feature::OtherArrangement,
         Feature::SeveralDiameters,
-        Feature::SeveralColumns,
         Feature::ElasticPillars,
         Feature::AdhesiveFloor,
         Feature::IgnoredFloor,

@@ -690,7 +690,8 @@ pub(crate) enum CitedMethod {
 #[derive(Debug, Args)]
 #[command(
     group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off", "target"]).requires("free"),
-    group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("floor_share")
+    group = ArgGroup::new("loaded").args(["floor_share", "pull_off"]),
+    group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("loaded")
 )]
 pub(crate) struct Design {
     #[command(flatten)]
@@ -706,16 +707,17 @@ pub(crate) struct Design {
     /// Target critical contact radius (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
-    /// Target pull-off force after the critical state, for a case with adhesion, as a positive number (N, mN, uN, nN)
+    /// Target pull-off force after the critical state, or after the contact at --at-force or --at-indentation, for a case with adhesion, as a
+    /// positive number (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     pull_off: Option<f64>,
     /// Target fraction of the load carried by the floor, past the transition: 0.2 or 20%
     #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
     floor_share: Option<f64>,
-    /// Force at which the floor share is specified (N, mN, uN, nN)
+    /// Force at which the floor share is specified, or from which the lens is pulled off (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     at_force: Option<f64>,
-    /// Indentation at which the floor share is specified (m, mm, um, nm)
+    /// Indentation at which the floor share is specified, or from which the lens is pulled off (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     at_indentation: Option<f64>,
     /// Target curve, with --free heights: a CSV file with a heading such as force_mN,area_um2
@@ -752,7 +754,10 @@ impl Design {
             .critical_force
             .map(Wanted::Force)
             .or(self.critical_contact_radius.map(Wanted::ContactRadius))
-            .or(self.pull_off.map(Wanted::PullOff))
+            .or(self.pull_off.map(|force| Wanted::PullOff {
+                force,
+                load: Load::given(self.at_indentation, self.at_force).unwrap_or(Load::FloorContact),
+            }))
             .or(self
                 .floor_share
                 .zip(Load::given(self.at_indentation, self.at_force))

@@ -210,6 +210,7 @@
  * @property {number} numerical
  * @property {number} model_fronts
  * @property {number} model_columns
+ * @property {number} model_corners
  */
 
 /**

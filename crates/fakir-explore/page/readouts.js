@@ -599,7 +599,7 @@ function adhesiveFloorWords(floor) {
 function errorWords(error) {
   if (error === null) return "";
   const numerical = `error ${significant(error.numerical, 1)}`;
-  const model = error.model_fronts + error.model_columns;
+  const model = error.model_fronts + error.model_columns + error.model_corners;
   return model > 0 ? `${numerical}, model error ${significant(model, 1)}` : numerical;
 }
 

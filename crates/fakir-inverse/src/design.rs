@@ -12,7 +12,7 @@
 //! starts where the homogenised lattice has its transition under the load. A value whose contact cannot be solved gives no information
 //! on the share and limits the range.
 //!
-//! A pull-off force requires a whole cycle up to the critical state, with adhesive tops and the spectral method. There is no
+//! A pull-off force requires a whole cycle up to the critical state or a given load, with adhesive tops and the spectral method. There is no
 //! initial estimate, and the range ends where a cycle has too many pillars. The target is met to within the numerical error of the
 //! force, because fronts on pillars that have partly detached move in steps.
 
@@ -40,8 +40,13 @@ pub enum Wanted {
         /// Load at which it applies.
         load: Load,
     },
-    /// Pull-off force on unloading from the critical state, N, as a positive number.
-    PullOff(f64),
+    /// Pull-off force on unloading.
+    PullOff {
+        /// Force, N, as a positive number.
+        force: f64,
+        /// Load from which the lens is pulled off.
+        load: Load,
+    },
 }
 
 impl Wanted {
@@ -51,7 +56,7 @@ impl Wanted {
         match self {
             Self::Force(value)
             | Self::ContactRadius(value)
-            | Self::PullOff(value)
+            | Self::PullOff { force: value, .. }
             | Self::FloorShare { share: value, .. } => value,
         }
     }
@@ -60,11 +65,11 @@ impl Wanted {
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
         match (self, reached) {
-            (Self::PullOff(_), Reached::PulledOff(cycle)) => {
+            (Self::PullOff { .. }, Reached::PulledOff(cycle)) => {
                 let pull_off = cycle.pull_off.as_ref();
                 pull_off.map_or(0.0, |pull_off| -pull_off.force)
             }
-            (Self::Force(_) | Self::PullOff(_), _) => reached.contact().force,
+            (Self::Force(_) | Self::PullOff { .. }, _) => reached.contact().force,
             (Self::ContactRadius(_), Reached::Critical(critical)) => critical.contact_radius(),
             (Self::ContactRadius(_), _) => reached.contact().contact_radius,
             (Self::FloorShare { .. }, _) => {
@@ -78,19 +83,42 @@ impl Wanted {
     #[must_use]
     pub fn dimension(self) -> Dimension {
         match self {
-            Self::Force(_) | Self::PullOff(_) => Dimension::Force,
+            Self::Force(_) | Self::PullOff { .. } => Dimension::Force,
             Self::ContactRadius(_) => Dimension::Length,
             Self::FloorShare { .. } => Dimension::Fraction,
         }
     }
 
-    /// Description of the contact to which the target applies: ` in the contact under a force of 1 mN`; empty for the
-    /// critical state.
+    /// Description of the contact to which the target applies: ` in the contact under a force of 1 mN`, ` after the contact under a force
+    /// of 1 mN`; empty for the critical state.
     #[must_use]
     pub fn load_words(self) -> String {
         match self {
             Self::FloorShare { load, .. } => format!(" in the {}", control_words(load)),
-            Self::Force(_) | Self::ContactRadius(_) | Self::PullOff(_) => String::new(),
+            Self::PullOff { .. } => self.load().map_or_else(String::new, |load| {
+                format!(" after the {}", control_words(load))
+            }),
+            Self::Force(_) | Self::ContactRadius(_) => String::new(),
+        }
+    }
+
+    /// Load to which the target applies; `None` for the critical state.
+    #[must_use]
+    pub fn load(self) -> Option<Load> {
+        match self {
+            Self::FloorShare { load, .. } | Self::PullOff { load, .. } => {
+                (load != Load::FloorContact).then_some(load)
+            }
+            Self::Force(_) | Self::ContactRadius(_) => None,
+        }
+    }
+
+    /// Questions whose answers it requires.
+    fn questions(self) -> &'static [Question] {
+        match self {
+            Self::FloorShare { .. } => &[Question::FloorShare, Question::Design],
+            Self::PullOff { .. } if self.load().is_some() => &[Question::Design],
+            _ => &[Question::Transition, Question::Design],
         }
     }
 
@@ -101,7 +129,7 @@ impl Wanted {
 
     /// Whether it is a pull-off force.
     fn is_pull_off(self) -> bool {
-        matches!(self, Self::PullOff(_))
+        matches!(self, Self::PullOff { .. })
     }
 
     /// Whether an unsolved contact gives no information on it, and whether its accuracy is limited by its
@@ -146,7 +174,7 @@ impl Wanted {
             Self::Force(_) => "critical force",
             Self::ContactRadius(_) => "critical contact radius",
             Self::FloorShare { .. } => "floor share",
-            Self::PullOff(_) => "pull-off force",
+            Self::PullOff { .. } => "pull-off force",
         }
     }
 }
@@ -287,7 +315,7 @@ impl Answer {
         let digits = match self.wanted {
             Wanted::Force(_) => DIGITS,
             Wanted::ContactRadius(_) => LENGTH_DIGITS,
-            Wanted::PullOff(_) => match &candidate.reached {
+            Wanted::PullOff { .. } => match &candidate.reached {
                 Reached::PulledOff(cycle) => digits(cycle.errors.pull_off_force.numerical()),
                 _ => 1,
             },
@@ -307,7 +335,10 @@ impl Answer {
         match self.wanted {
             Wanted::Force(force) => with_unit(force, dimension, DIGITS),
             Wanted::ContactRadius(radius) => with_unit(radius, dimension, LENGTH_DIGITS),
-            Wanted::PullOff(force) => format_quantity(force, dimension),
+            Wanted::PullOff { force, .. } => {
+                let load = self.wanted.load_words();
+                format!("{}{load}", format_quantity(force, dimension))
+            }
             Wanted::FloorShare { share, .. } => {
                 let load = self.wanted.load_words();
                 format!("{}{load}", format_quantity(share, dimension))
@@ -394,8 +425,8 @@ pub enum DesignError {
     #[error("the target floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
     NotAShare(f64),
     /// A floor share without a valid load.
-    #[error("a floor share needs a load: give a force or an indentation greater than 0")]
-    NotALoad,
+    #[error("{} needs a load: give a force or an indentation greater than 0", .0.name())]
+    NotALoad(Wanted),
     /// A pull-off force without adhesion.
     #[error(
         "a pull-off force needs adhesive pillar tops: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
@@ -504,25 +535,22 @@ pub fn design(
         return Err(DesignError::NotFree(free));
     }
     let target = wanted.value();
-    if let Wanted::FloorShare { share, load } = wanted {
+    if let Wanted::FloorShare { share, .. } = wanted {
         if !(share > 0.0 && share < 1.0) {
             return Err(DesignError::NotAShare(share));
-        }
-        let (Load::Force(size) | Load::Indentation(size)) = load else {
-            return Err(DesignError::NotALoad);
-        };
-        if !(size > 0.0 && size.is_finite()) {
-            return Err(DesignError::NotALoad);
         }
     } else if !(target > 0.0 && target.is_finite()) {
         return Err(DesignError::NotPositive(wanted));
     }
+    match wanted.load() {
+        None if wanted.is_share() => return Err(DesignError::NotALoad(wanted)),
+        Some(Load::Force(size) | Load::Indentation(size)) if !(size > 0.0 && size.is_finite()) => {
+            return Err(DesignError::NotALoad(wanted));
+        }
+        _ => {}
+    }
     let first = first_value(file, free)?;
-    let asked = match wanted.is_share() {
-        true => &[Question::FloorShare, Question::Design][..],
-        false => &[Question::Design],
-    };
-    let case = changed(file, free, first).case_for(asked)?;
+    let case = changed(file, free, first).case_for(wanted.questions())?;
     if wanted.is_pull_off() && case.system.adhesion().is_none() {
         return Err(DesignError::NoAdhesion);
     }
@@ -782,8 +810,12 @@ impl Search<'_> {
             Wanted::FloorShare { load, .. } => {
                 fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
             }
-            Wanted::PullOff(_) => {
-                fakir::cycle(&case.system, CyclePlan::default(), case.method, self.run)
+            Wanted::PullOff { load, .. } => {
+                let plan = CyclePlan {
+                    turn: load.into(),
+                    ..CyclePlan::default()
+                };
+                fakir::cycle(&case.system, plan, case.method, self.run)
                     .map(|cycle| Reached::PulledOff(Box::new(cycle)))
             }
             _ => fakir::transition(&case.system, case.method, self.run).map(Reached::Critical),
@@ -1381,6 +1413,51 @@ mod tests {
         assert!(message.contains("the floor is ignored"), "{message}");
     }
 
+    /// A pull-off force after the critical state.
+    fn from_critical(force: f64) -> Wanted {
+        let load = Load::FloorContact;
+        Wanted::PullOff { force, load }
+    }
+
+    /// Pillars far apart under a plate, which has no critical state, detach together with the force of K. Kendall, J. Phys. D 4, 1186 (1971), each:
+    /// the diameter is the one with this force.
+    #[test]
+    fn a_plate_has_a_pull_off_force_after_a_load() {
+        let mut file = paper(0.02);
+        for given in [
+            "adhesion.work=50mJ/m2",
+            "pattern.columns=2",
+            "lens.shape=plate",
+            "pattern.pitch=20mm",
+        ] {
+            file.set(given).unwrap();
+        }
+        let case = file.case().unwrap();
+        let diameter = 9e-6;
+        let modulus = case.system.reduced_modulus();
+        let force = -4.0 * fakir::theory::adhesion::kendall_pull_off(modulus, 0.5 * diameter, 0.05);
+        let load = Load::Indentation(0.1e-6);
+        let wanted = Wanted::PullOff { force, load };
+        let candidate = found(&file, Key::PillarDiameter, wanted);
+        // The neighbours change it by 2 a/(pi s).
+        let off = candidate.value / diameter - 1.0;
+        assert!(off.abs() < 1e-3, "{off:e}");
+        let refused = design(
+            &file,
+            Key::PillarDiameter,
+            from_critical(force),
+            &Run::default(),
+        );
+        let message = refused.unwrap_err().to_string();
+        assert!(message.contains("has no transition"), "{message}");
+        let nowhere = Wanted::PullOff {
+            force,
+            load: Load::Force(-1.0),
+        };
+        let refused = design(&file, Key::PillarDiameter, nowhere, &Run::default());
+        assert!(matches!(refused, Err(DesignError::NotALoad(_))));
+    }
+
     /// The cycle of the case file of the result has the target pull-off force to within its numerical error.
     #[test]
     fn a_pull_off_force_is_had_by_the_case_that_is_found() {
@@ -1388,7 +1465,7 @@ mod tests {
         file.set("adhesion.work=50mJ/m2").unwrap();
         let force = 40e-6;
         for free in [Key::Pitch, Key::SubstrateYoungModulus] {
-            let candidate = found(&file, free, Wanted::PullOff(force));
+            let candidate = found(&file, free, from_critical(force));
             let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
             let case = written.case().unwrap();
             let plan = CyclePlan::default();
@@ -1406,13 +1483,13 @@ mod tests {
     fn a_pull_off_force_that_cannot_be_had_is_answered_with_the_range() {
         let run = Run::default();
         let file = paper(0.005);
-        let refused = design(&file, Key::PillarHeight, Wanted::PullOff(1e-6), &run);
+        let refused = design(&file, Key::PillarHeight, from_critical(1e-6), &run);
         assert!(matches!(refused, Err(DesignError::NoAdhesion)));
         let mut adhesive = file.clone();
         adhesive.set("adhesion.work=50mJ/m2").unwrap();
         // For increasingly stiff pillars under a soft lens the pull-off force approaches a limit.
         let free = Key::SubstrateYoungModulus;
-        let wanted = Wanted::PullOff(1.0);
+        let wanted = from_critical(1.0);
         let answer = Answer {
             free,
             wanted,

@@ -80,23 +80,17 @@ impl AnswerObject {
             Wanted::Force(_) => "critical_force_N",
             Wanted::ContactRadius(_) => "critical_contact_radius_m",
             Wanted::FloorShare { .. } => "floor_share",
-            Wanted::PullOff(_) => "pull_off_force_N",
+            Wanted::PullOff { .. } => "pull_off_force_N",
         };
         let mut wanted = named(wanted.to_owned(), answer.wanted.value());
-        match answer.wanted {
-            Wanted::FloorShare {
-                load: Load::Force(force),
-                ..
-            } => {
+        match answer.wanted.load() {
+            Some(Load::Force(force)) => {
                 wanted.insert("force_N".to_owned(), force.into());
             }
-            Wanted::FloorShare {
-                load: Load::Indentation(indentation),
-                ..
-            } => {
+            Some(Load::Indentation(indentation)) => {
                 wanted.insert("indentation_m".to_owned(), indentation.into());
             }
-            _ => {}
+            Some(Load::FloorContact) | None => {}
         }
         let (mut critical_state, mut state, mut cycle) = (None, None, None);
         match &nearest.reached {

@@ -2,7 +2,7 @@
 
 use crate::case::Case;
 use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
-use crate::load::load;
+use crate::load::{load, load_or_critical};
 use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
@@ -19,14 +19,12 @@ use std::time::Instant;
 /// state, a contact under a load, or a cycle.
 type Designed = (String, Vec<(f64, Case, Py<PyAny>)>);
 
-/// Target: a critical force (N), a critical contact radius (m), a floor share with a force (N) or an indentation (m), or a pull-off force
-/// (N).
-type WantedNumbers = (
-    Option<f64>,
-    Option<f64>,
-    Option<(f64, Option<f64>, Option<f64>)>,
-    Option<f64>,
-);
+/// A value with the force (N) or the indentation (m) at which it applies.
+type Loaded = (f64, Option<f64>, Option<f64>);
+
+/// Target: a critical force (N), a critical contact radius (m), a floor share with a load, or a pull-off force (N) with the load from which
+/// the lens is pulled off, if that is not the critical state.
+type WantedNumbers = (Option<f64>, Option<f64>, Option<Loaded>, Option<Loaded>);
 
 /// The value of a key that attains the target.
 #[pyfunction]
@@ -40,7 +38,10 @@ pub(crate) fn design(
     let wanted = match wanted {
         (Some(force), None, None, None) => Wanted::Force(force),
         (None, Some(radius), None, None) => Wanted::ContactRadius(radius),
-        (None, None, None, Some(force)) => Wanted::PullOff(force),
+        (None, None, None, Some((force, at_force, at_indentation))) => Wanted::PullOff {
+            force,
+            load: load_or_critical(at_indentation, at_force),
+        },
         (None, None, Some((share, force, indentation)), None) => Wanted::FloorShare {
             share,
             load: load(indentation, force)?,

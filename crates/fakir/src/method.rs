@@ -210,12 +210,12 @@ pub fn follow_cycle(
     cycle.checked()
 }
 
-/// Validates the load. An indentation is relative to the common height, and may be negative if some pillars are higher, or if a part of a
-/// tilted plate is lower than its centre.
+/// Validates the load. An indentation is relative to the common height, and may be negative if some pillars are higher or touched by the lower side
+/// of a tilted plate.
 fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
     if let Load::Indentation(indentation) = control
         && indentation < 0.0
-        && (indentation >= -Scene::new(system).highest() || indentation >= system.first_touch())
+        && indentation >= system.first_touch().min(-Scene::new(system).highest())
     {
         return Ok(control);
     }

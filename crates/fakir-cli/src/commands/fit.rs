@@ -4,7 +4,7 @@ use crate::arguments::Fit as Options;
 use crate::failure::Failure;
 use crate::numbers::{DIGITS, digits, significant, with_unit};
 use crate::session::Session;
-use fakir::problem::Question;
+use fakir::problem::{PillarCompliance, Question};
 use fakir::state::Branch;
 use fakir_case::CaseFile;
 use fakir_case::unit::Dimension;
@@ -114,7 +114,13 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
     text += &estimates_table(&fitted.estimates);
     text.push('\n');
     if let Some(pull_off) = &fitted.pull_off {
-        text += &pull_off_words(pull_off);
+        let case = fitted.file.case();
+        let compliance = case.map(|case| case.system.pillar().compliance);
+        let of_pillars = match compliance {
+            Ok(PillarCompliance::Elastic) => "corners of elastic pillars",
+            _ => "columns that do not lean",
+        };
+        text += &pull_off_words(pull_off, of_pillars);
     }
     text += &correlations(fitted);
     for scatter in &fitted.scatter {
@@ -242,7 +248,7 @@ fn description(fitted: &Fit) -> String {
 }
 
 /// The pull-off as measured and as fitted, and the error of the model.
-fn pull_off_words(pull_off: &FittedPullOff) -> String {
+fn pull_off_words(pull_off: &FittedPullOff, of_pillars: &str) -> String {
     let force = |force| with_unit(force, Dimension::Force, 3);
     let of_work = pull_off.work_error.map_or(String::new(), |error| {
         format!(
@@ -259,7 +265,7 @@ fn pull_off_words(pull_off: &FittedPullOff) -> String {
         return format!("{forces}\n\n"); // on a flat surface
     }
     format!(
-        "{forces}; error of the model {} (shapes of partial contacts, columns that do not lean){of_work}\n\n",
+        "{forces}; error of the model {} (shapes of partial contacts, {of_pillars}){of_work}\n\n",
         significant(pull_off.model_error, 1),
     )
 }

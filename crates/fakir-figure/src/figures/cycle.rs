@@ -224,34 +224,32 @@ pub fn release_map(cycle: &Cycle) -> Result<Figure, FigureError> {
         unit.of(high),
         format!("indentation at detachment ({})", unit.name),
     );
-    let pillar = cycle.system.pillar();
     let farthest = released.values().map(|([x, y], _)| x.hypot(*y));
     let half_width = farthest.fold(0.0, f64::max) + cycle.system.pitch();
     let sheet = Sheet::new([0.0, 0.0], half_width, &bar);
     let window = &sheet.window;
-    let radius = window.length(0.5 * pillar.diameter);
     let pulling = cycle.pull_off.iter().flat_map(|it| &it.pillars);
     let pulling: HashSet<(i64, i64)> = pulling.map(|pillar| pillar.index).collect();
     let discs = window.pillars(&cycle.system);
     let has_untouched = discs
         .iter()
         .any(|pillar| !released.contains_key(&pillar.index));
-    let discs = discs
-        .into_iter()
-        .flat_map(|PlacedPillar { index, centre, .. }| {
-            let found = released.get(&index);
-            let colour = found.map_or(UNTOUCHED, |(_, at)| bar.colour(unit.of(*at)));
-            let centre = window.place(centre);
-            if pulling.contains(&index) {
-                return ringed(centre, radius, colour).to_vec();
-            }
-            vec![Item::Disc {
-                centre,
-                radius,
-                fill: Some(colour),
-                stroke: None,
-            }]
-        });
+    let discs = discs.into_iter().flat_map(|pillar| {
+        let PlacedPillar { index, centre, .. } = pillar;
+        let radius = window.length(0.5 * pillar.diameter);
+        let found = released.get(&index);
+        let colour = found.map_or(UNTOUCHED, |(_, at)| bar.colour(unit.of(*at)));
+        let centre = window.place(centre);
+        if pulling.contains(&index) {
+            return ringed(centre, radius, colour).to_vec();
+        }
+        vec![Item::Disc {
+            centre,
+            radius,
+            fill: Some(colour),
+            stroke: None,
+        }]
+    });
     let mut signs = Vec::new();
     if !pulling.is_empty() {
         signs.push((KeySign::Ring, "attached at pull-off"));

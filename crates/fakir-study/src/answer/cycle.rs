@@ -320,7 +320,8 @@ fn remark(error: CycleError) -> String {
     };
     let fronts = of_model(error.fronts, "shapes of partial contacts");
     let columns = of_model(error.columns, "columns do not lean");
-    alone(&(numerical + &fronts + &columns))
+    let corners = of_model(error.corners, "corners of elastic pillars");
+    alone(&(numerical + &fronts + &columns + &corners))
 }
 
 /// Number of events of one kind on each branch.

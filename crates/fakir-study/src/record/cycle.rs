@@ -39,7 +39,7 @@ macro_rules! errors {
             .in_objects(),
             Named::number_if_any(
                 concat!("relative_error_estimate.", $figure, ".model"),
-                "estimated relative error of the model: the sum of the next two",
+                "estimated relative error of the model: the sum of the next three",
                 move |it: &Cycle| Some(of(it)?.model()),
             )
             .column(concat!("relative_model_error_", $figure)),
@@ -53,6 +53,12 @@ macro_rules! errors {
                 concat!("relative_error_estimate.", $figure, ".model_columns"),
                 "part of it because columns do not tilt under eccentric tension as real pillars do",
                 move |it: &Cycle| Some(of(it)?.columns),
+            )
+            .in_objects(),
+            Named::number_if_any(
+                concat!("relative_error_estimate.", $figure, ".model_corners"),
+                "part of it because the stress at the corners of elastic pillars is less singular than that at the rim of a flat punch: the increase for flaws of 1 % of the radius at the rims",
+                move |it: &Cycle| Some(of(it)?.corners),
             )
             .in_objects(),
         ]
@@ -193,12 +199,12 @@ fn unloading() -> Vec<Named<Cycle>> {
         ),
         Named::number(
             "kendall_pull_off_force_N",
-            "pull-off force of a single pillar with a flat top (Kendall)",
+            "pull-off force of a single pillar of the common diameter with a flat top (Kendall)",
             kendall,
         ),
         Named::number_if_any(
             "normalized_pull_off_force",
-            "pull-off force over that of a single pillar: the equivalent number of independent pillars",
+            "pull-off force over that of a single pillar of the common diameter: the equivalent number of independent pillars",
             |it: &Cycle| Some(it.pull_off.as_ref()?.force / kendall(it)),
         ),
         Named::number_if_any(

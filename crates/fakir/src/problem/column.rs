@@ -66,13 +66,6 @@ impl Column {
     pub(crate) fn times(self, other: Self) -> f64 {
         self.shortening * other.shortening + self.rocking * other.rocking
     }
-
-    /// Whether it equals another column up to rounding.
-    pub(crate) fn is_near(self, other: Self) -> bool {
-        const ROUNDING: f64 = 1e-12;
-        let near = |one: f64, other: f64| (one - other).abs() <= ROUNDING * other;
-        near(self.shortening, other.shortening) && near(self.rocking, other.rocking)
-    }
 }
 
 /// Parameters of elastic pillars: the ratio of height to diameter `x`, Poisson's ratio of the substrate, and its fraction `S` of the

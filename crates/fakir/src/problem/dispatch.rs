@@ -5,7 +5,6 @@ use super::column::PillarCompliance;
 use super::lens::LensForm;
 use super::listed::listed;
 use super::method::Method;
-use super::scaled::Scene;
 use super::system::{FloorModel, System};
 
 listed! {
@@ -79,8 +78,6 @@ listed! {
         OtherArrangement,
         /// Pillars differ in diameter.
         SeveralDiameters,
-        /// Columns of pillars differ in compliance. Checked only with adhesive tops.
-        SeveralColumns,
         /// The surface is periodic.
         Periodic,
         /// The lens or the substrate has a finite thickness.
@@ -171,7 +168,6 @@ impl Feature {
             Self::TiltedPlate => lens.is_tilted(),
             Self::OtherArrangement => system.hexagonal_lattice().is_none(),
             Self::SeveralDiameters => !system.has_common_diameter(),
-            Self::SeveralColumns => is_adhesive && !Scene::new(system).field.has_common_columns(),
             Self::Periodic => false,
             Self::Layer => system.has_layers(),
             Self::ElasticPillars => system.pillar().compliance == PillarCompliance::Elastic,
@@ -343,7 +339,6 @@ static RULES: &[Rule] = &[
         &[
             Question::Transition,
             Question::Compare,
-            Question::Design,
             Question::Spread,
             Question::Explore,
         ],
@@ -424,16 +419,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         SPECTRAL,
-        &[ADHESIVE_TOPS, SEVERAL_DIAMETERS],
-        "adhesion is supported only on tops of one diameter, and here diameters differ",
-        "give all pillars the common diameter",
-    ),
-    rule(
-        ANY,
-        SPECTRAL,
-        &[ADHESIVE_TOPS, &[Feature::SeveralColumns]],
-        "adhesion is supported only on columns of equal compliance, and here heights differ",
-        "give all pillars the same height, or use rigid pillars",
+        &[ADHESIVE_FLOOR, SEVERAL_DIAMETERS],
+        "an adhesive floor is supported only between pillars of one diameter, and here diameters differ",
+        "give all pillars the common diameter, or use adhesion of the tops only",
     ),
     rule(
         ANY,

@@ -540,26 +540,6 @@ impl PillarField {
         }
     }
 
-    /// Whether all columns have the compliance of the first one.
-    pub(crate) fn has_common_columns(&self) -> bool {
-        match self {
-            Self::Hexagonal { .. } => true,
-            Self::Lattice(lattice) => {
-                let rigid = lattice.body.column == Column::default();
-                let level = lattice
-                    .scatter
-                    .as_ref()
-                    .is_none_or(|scatter| scatter.disorder.heights.is_none());
-                rigid || level
-            }
-            Self::Listed(list) => {
-                let first = list.pillars[0].body.column;
-                let mut bodies = list.pillars.iter().map(|pillar| &pillar.body);
-                bodies.all(|body| body.column.is_near(first))
-            }
-        }
-    }
-
     /// The largest radius of a top, and the largest height above the common height.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         let largest = |[radius, raised]: [f64; 2], body: &PillarBody| {

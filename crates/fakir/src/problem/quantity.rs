@@ -249,8 +249,6 @@ pub enum Requirement {
         /// Upper end.
         most: f64,
     },
-    /// Zero for elastic pillars, for which the stress at the edge does not determine detachment.
-    ZeroOnElastic,
     /// A finite number above this one.
     Above(f64),
     /// Between these values, excluding them.
@@ -316,10 +314,6 @@ impl fmt::Display for Requirement {
                 f,
                 "between {least} and {most}, the range in which the compliance of elastic pillars is available (compliance = \"column\" accepts any value)"
             ),
-            Self::ZeroOnElastic => f.write_str(
-                "0 for elastic pillars: the stress at the corner of a real pillar differs from that of a half-space, which is used as the \
-                 criterion of detachment (compliance = \"column\" uses it)",
-            ),
             Self::Above(least) => write!(f, "a finite number greater than {least:.4e}"),
             Self::Between(least, most) => {
                 write!(f, "greater than {least:.4e} and below {most:.4e}")
@@ -367,7 +361,6 @@ impl Requirement {
                 Self::BelowLensRadius(radius) => value > 0.0 && value < radius,
                 Self::Tilt => (0.0..=LARGEST_TILT).contains(&value),
                 Self::KnownElastic { least, most } => (least..=most).contains(&value),
-                Self::ZeroOnElastic => value == 0.0,
                 Self::Above(least) => value > least,
                 Self::Between(least, most) => value > least && value < most,
                 Self::FiniteUnder(_) => true,

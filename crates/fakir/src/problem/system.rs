@@ -298,14 +298,10 @@ impl System {
     /// The same system with adhesion.
     ///
     /// # Errors
-    /// Works of adhesion that are negative or not finite, a receding one below the advancing one, and adhesion of elastic pillars.
+    /// Works of adhesion that are negative or not finite, and a receding one below the advancing one.
     pub fn with_adhesion(&self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
-        let adhesion = adhesion.checked()?;
-        if self.pillar().compliance == PillarCompliance::Elastic {
-            Requirement::ZeroOnElastic.check(Quantity::WorkOfAdhesion, adhesion.receding())?;
-        }
         Ok(Self {
-            adhesion,
+            adhesion: adhesion.checked()?,
             ..self.clone()
         })
     }
@@ -489,10 +485,10 @@ impl System {
     }
 
     /// Tensile stress of a single flat punch at pull-off (K. Kendall, J. Phys. D 4, 1186 (1971)), divided by Young's modulus of the
-    /// substrate, for the receding work of adhesion: approximate strain of the pillars, `sqrt(8 w E*/(pi a))/E_s`.
+    /// substrate, for the receding work of adhesion: approximate strain of the pillars, `sqrt(8 w E*/(pi a))/E_s`, of the narrowest one.
     #[must_use]
     pub fn kendall_strain(&self) -> f64 {
-        let radius = 0.5 * self.pillar().diameter;
+        let radius = 0.5 * self.smallest_diameter();
         let work = self.adhesion.receding();
         let stress = (8.0 * work * self.reduced_modulus() / (PI * radius)).sqrt();
         stress / self.substrate.young_modulus
@@ -500,10 +496,10 @@ impl System {
 
     /// Tabor number of a pillar top for a range of the attraction (m): the elongation of the surfaces at pull-off divided by the range,
     /// `sqrt(8 w a/(pi E*))/range`. The attraction acts in a zone of width `2 a/mu^2` along the rim, so that its range is small if the
-    /// number is much larger than one (D. Tabor, J. Colloid Interface Sci. 58, 2 (1977), for spheres).
+    /// number is much larger than one (D. Tabor, J. Colloid Interface Sci. 58, 2 (1977), for spheres). That of the narrowest pillar.
     #[must_use]
     pub fn tabor_number(&self, range: f64) -> f64 {
-        let radius = 0.5 * self.pillar().diameter;
+        let radius = 0.5 * self.smallest_diameter();
         let work = self.adhesion.receding();
         (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
     }

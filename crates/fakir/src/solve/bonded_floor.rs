@@ -93,7 +93,7 @@ impl<'a> Path<'a> {
         let mut kernels = self.floor.take().and_then(|floor| floor.kernels);
         let layers = &self.scene.layers;
         let pillars = (&self.sites, reach);
-        let degree = FLOOR_DEGREE.min(self.tops.fronts.degree());
+        let degree = FLOOR_DEGREE.min(self.tops.degree());
         let modes = [self.contact.modes(), degree];
         let threads = (self.run.workers(), self.run.pool);
         let couple = |coupling: &mut SurfaceCoupling<'a>| {

@@ -40,6 +40,7 @@ use crate::halfspace::floor::coupling::SurfaceCoupling;
 use crate::halfspace::floor::grid::Division;
 use crate::numerics::convergence::Judgement;
 use crate::numerics::vector::{dot, subtract};
+use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
@@ -109,7 +110,6 @@ struct Refined {
 
 /// Loading and unloading of a lens on adhesive tops.
 pub(crate) struct Path<'a> {
-    /// With pillars of unit radius on equal columns.
     pub(crate) scene: &'a Scene,
     pub(super) run: &'a Run<'a>,
     /// Called with every load step, the last one of [`stations`](Self::stations), when it has been reached.
@@ -162,7 +162,8 @@ impl<'a> Path<'a> {
         let pair = PairCoupling::of_scene(degree, scene);
         let projector = LensProjector::new(&scene.lens, degree);
         let first_touch = scene.first_touch();
-        let radius = scene.nearest_edge() + 1.0 + MARGIN * pitch;
+        let [largest, _] = scene.field.bounds();
+        let radius = scene.nearest_edge() + largest + MARGIN * pitch;
         let radius = match scene.field.extent() {
             Some(extent) if !scene.lens.is_axisymmetric() => extent,
             _ => limited(scene, radius.max(scene.reach_of_tops(first_touch))),
@@ -178,7 +179,7 @@ impl<'a> Path<'a> {
             works: fronts.works(),
             floor_works: Some(fronts.works()),
             variation: PLAIN,
-            tops: AdhesiveTops::new(fronts, &sites),
+            tops: AdhesiveTops::new(fronts, scene.field.column(), &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
             contact: LinearizedContact::new(run, coupling, modes, own_load),
@@ -245,10 +246,12 @@ impl<'a> Path<'a> {
             return inside.radius();
         }
         let mut farthest = self.floor.as_ref().map_or(0.0, BondedFloor::radius);
-        for (domain, centre) in self.tops.domains.iter().zip(self.sites.centres()) {
-            if !domain.is_out() && centre[0].hypot(centre[1]) + 1.0 > farthest {
+        let tops = self.tops.domains.iter().zip(self.sites.centres());
+        for (top, (domain, centre)) in tops.enumerate() {
+            let fronts = self.tops.fronts(top);
+            if !domain.is_out() && centre[0].hypot(centre[1]) + fronts.radius() > farthest {
                 let axis = centre.map(|x| -x);
-                farthest = farthest.max(self.tops.fronts.farthest_from(*domain, axis));
+                farthest = farthest.max(fronts.farthest_from(*domain, axis));
             }
         }
         farthest
@@ -497,13 +500,18 @@ impl<'a> Path<'a> {
             return vec![inside.attached_top()];
         }
         let modes = self.contact.modes();
-        let attached = |pillar: usize| AttachedTop {
-            index: self.sites.index(pillar),
-            centre: self.sites.centres()[pillar],
-            raised: self.sites.body(pillar).raised,
-            domain: self.tops.domains[pillar],
-            coefficients: self.contact.coefficients()[pillar * modes..][..modes].to_vec(),
-            disc: None,
+        let attached = |pillar: usize| {
+            let PillarBody { radius, raised, .. } = *self.sites.body(pillar);
+            let moments = &self.contact.coefficients()[pillar * modes..][..modes];
+            AttachedTop {
+                index: self.sites.index(pillar),
+                centre: self.sites.centres()[pillar],
+                radius,
+                raised,
+                domain: self.tops.domains[pillar],
+                coefficients: moments.iter().map(|m| m / (radius * radius)).collect(),
+                disc: None,
+            }
         };
         let touched = (0..self.sites.len()).filter(|p| !self.tops.domains[*p].is_out());
         touched.map(attached).collect()
@@ -656,15 +664,15 @@ impl<'a> Path<'a> {
             changed = true;
             for (pillar, before) in before.iter().enumerate() {
                 let after = self.tops.domains[pillar];
-                let area = self.tops.fronts.area(after) - self.tops.fronts.area(*before);
+                let fronts = self.tops.fronts(pillar);
+                let area = fronts.area(after) - fronts.area(*before);
                 change.gained += area.max(0.0);
                 change.lost += (-area).max(0.0);
                 if before.level != after.level {
                     change.tops.push(ChangedTop {
                         index: self.sites.index(pillar),
                         centre: self.sites.centres()[pillar],
-                        parts: [before.level, after.level]
-                            .map(|level| self.tops.fronts.part(level)),
+                        parts: [before.level, after.level].map(Fronts::part),
                         levels: before.level.abs_diff(after.level),
                     });
                 }
@@ -822,7 +830,8 @@ impl<'a> Path<'a> {
             return Ok(false); // all pillars there are
         }
         let (reach, pitch) = (self.reach(), self.scene.field.spacing());
-        if reach - 1.0 > self.scene.lens.largest_contact() {
+        let [largest, _] = self.scene.field.bounds();
+        if reach - largest > self.scene.lens.largest_contact() {
             return Err(self.too_large(reach));
         }
         let present = self.sites.radius();
@@ -940,16 +949,20 @@ impl<'a> Path<'a> {
             .filter(|pillar| !self.tops.domains[*pillar].is_out())
             .collect();
         let ([present, unit], indentation) = (self.contact.parts(), self.contact.indentation());
-        let along = |disc: usize, mode: usize| unit[touched[disc] * modes + mode];
+        let radius = |disc: usize| self.tops.fronts(touched[disc]).radius();
+        let density = |moments: &[f64], disc: usize, mode: usize| {
+            moments[touched[disc] * modes + mode] / radius(disc).powi(2)
+        };
+        let along = |disc: usize, mode: usize| density(unit, disc, mode);
         let without = |disc: usize, mode: usize| {
-            present[touched[disc] * modes + mode] - indentation * along(disc, mode)
+            density(present, disc, mode) - indentation * along(disc, mode)
         };
         let discs = LoadedDiscs {
             exterior: &self.exterior,
             discs: Discs::new(
                 [touched.len(), modes],
                 |disc| self.sites.centres()[touched[disc]],
-                |_| 1.0,
+                radius,
                 [Some(&along), Some(&without)],
             ),
             run: self.run,
@@ -1023,6 +1036,55 @@ mod tests {
             let ratio = -least_force(&path) / (7.0 * kendall);
             assert!((ratio - expected).abs() < 2e-5, "{degree}: {ratio}");
         }
+    }
+
+    /// Two distant tops in full contact tilt each other by `F/(pi E* s^2)`, which their columns relieve by `1 + rocking`: their rims detach at
+    /// `F = F_K (1 - 4/(pi s^2 (1 + rocking)))` with `s` in top radii, to the order of `1/s` of this.
+    #[test]
+    fn rocking_columns_relieve_the_rims() {
+        use crate::problem::{LensShape, ListedPillar, PillarList, ShapedLens};
+
+        let run = Run::default();
+        let far = 20.0;
+        let pillar = |side: f64| ListedPillar {
+            centre: [side * far * 1.5e-6, 0.0],
+            height: 3e-6,
+            diameter: 6e-6,
+        };
+        let list = PillarList::new(vec![pillar(-1.0), pillar(1.0)]).unwrap();
+        let compliance = PillarCompliance::Elastic;
+        let lattice = reference::lattice(0.03);
+        let of_paper = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance);
+        let plate = LensShape::Plate {
+            tilt: 0.0,
+            direction: 0.0,
+        };
+        let lens = ShapedLens::new(plate, of_paper.lens().material);
+        let pattern = crate::problem::PillarPattern::new(*of_paper.pillar(), list);
+        let system = crate::problem::System::new(lens, *of_paper.substrate(), pattern).unwrap();
+        let scene = Scene::new(&system);
+        let reduction = |column: crate::problem::column::Column| {
+            let work = 0.05 / (scene.pressure * scene.length);
+            let works = Works {
+                advancing: work,
+                receding: work,
+            };
+            let fronts = Fronts::new(4, column, works, false);
+            let mut path = Path::new(&scene, &run, fronts, FixedQuantity::Indentation).unwrap();
+            path.go(Course::Loading, End::Indentation(0.05), false)
+                .unwrap();
+            path.go(Course::Unloading, End::Separation, false).unwrap();
+            let kendall = (8.0 * std::f64::consts::PI * work).sqrt();
+            1.0 + least_force(&path) / (2.0 * kendall)
+        };
+        let column = scene.field.column();
+        assert!(column.rocking > 0.5);
+        let stiff = reduction(column.shortening.into());
+        let leaning = reduction(column);
+        let expected = 4.0 / (std::f64::consts::PI * far * far);
+        assert!((stiff / expected - 1.0).abs() < 0.15, "{stiff} {expected}");
+        let relieved = leaning / stiff * (1.0 + column.rocking);
+        assert!((relieved - 1.0).abs() < 0.1, "{relieved}");
     }
 
     /// Detachments at an indentation, one top after the other in any order, lead to the same state as all at once, except for the

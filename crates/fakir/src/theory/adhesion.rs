@@ -36,6 +36,48 @@ pub fn first_yield_of_tilted_top(modulus: f64, radius: f64, work: f64, tilt: f64
     kendall_pull_off(modulus, radius, work) * (1.0 - relative)
 }
 
+/// Size of the flaw at the rim of a pillar for which [`corner_ratio`] is stated, and depth up to which the corner determines the stress at
+/// a flaw, in pillar radii. For a rigid lens, `G = 1.1215^2 pi l sigma^2/E'` of an edge crack of length `l` (H. Tada, P. C. Paris, G. R.
+/// Irwin, The Stress Analysis of Cracks Handbook, 1973) is that of a flat punch, `pi a sigma^2/8 E'`, at `l = 0.1 a`.
+const FLAW: f64 = 0.01;
+const CORNER_DEPTH: f64 = 1.0 / (8.0 * 1.1215 * 1.1215);
+
+/// Exponent `lambda` of the displacement `r^lambda` at the rim of the frictionless contact of a pillar with a flat lens, where a
+/// right-angled corner meets a half-space; the pressure is `r^(lambda - 1)`. `share` is the fraction of the pillar in the contact
+/// compliance: 1/2 on rigid pillars, 0.774 for equal bodies, 1 under a rigid lens (J. Dundurs, M. S. Lee, J. Elasticity 2, 109 (1972)). It is
+/// the root of `(1 - S) cot(pi lambda) + S sin(pi lambda)/(2 sin^2(pi lambda/2) - 2 lambda^2) = 0`.
+pub(crate) fn corner_exponent(share: f64) -> f64 {
+    let slope = |lambda: f64| {
+        let (sin, cos) = (PI * lambda).sin_cos();
+        let (half, _) = (0.5 * PI * lambda).sin_cos();
+        let of_corner = sin * sin / (2.0 * (half * half - lambda * lambda));
+        (1.0 - share) * cos + share * of_corner
+    };
+    // Positive at 1/2 and negative at 1, unless one of the bodies is rigid.
+    let [mut low, mut high] = [0.5, 1.0];
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if slope(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// Bisections of an interval of length 1/2, to rounding.
+const HALVINGS: usize = 52;
+
+/// Pull-off force of a pillar with a flaw of 1 % of its radius at the rim, divided by that with the edge of a punch on a half-space. The
+/// energy release rate at a flaw of length `l` grows as `l^(2 lambda - 1)`, since the stress at a [corner](corner_exponent) is less
+/// singular than at a crack, up to that of the punch at a depth of a tenth of the radius, or at the height of the pillar where that is
+/// smaller. `height` is in pillar radii.
+pub(crate) fn corner_ratio(share: f64, height: f64) -> f64 {
+    let depth = height.min(CORNER_DEPTH);
+    (depth / FLAW).max(1.0).powf(corner_exponent(share) - 0.5)
+}
+
 /// A circular contact of an adhesive sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdhesiveSphere {
@@ -237,6 +279,24 @@ mod tests {
 
     fn force_of(coefficients: &[f64], radius: f64) -> f64 {
         UNIT_FORCE * coefficients[0] * radius * radius
+    }
+
+    /// The exponent of a square punch of the material of the half-space is 0.774, as in the literature on contact edges (J. Dundurs, M. S. Lee,
+    /// J. Elasticity 2, 109 (1972)); the limits are the rigid punch and the free surface that a symmetry plane is to a rigid lens.
+    #[test]
+    fn corners_are_less_singular_than_punches() {
+        for (share, expected) in [(0.0, 0.5), (0.5, 0.7740), (1.0, 1.0)] {
+            let found = corner_exponent(share);
+            assert!((found - expected).abs() < 5e-5, "{share}: {found}");
+        }
+        // To first order on a stiff substrate: cot(pi lambda) = -2 S.
+        let found = corner_exponent(1e-6) - 0.5;
+        assert!((found / (2e-6 / PI) - 1.0).abs() < 1e-5, "{found:e}");
+        // Without a pillar there is no corner; an edge crack under a rigid lens is as far from a punch as its depth is small.
+        assert!((corner_ratio(0.5, 0.0) - 1.0).abs() < 1e-15);
+        let crack = 1.1215_f64.powi(2) * PI * FLAW;
+        let expected = (PI / 8.0 / crack).sqrt();
+        assert!((corner_ratio(1.0, 3.0) / expected - 1.0).abs() < 1e-12);
     }
 
     /// Compares Johnson, Kendall and Roberts with the modes of the disc, whose edge satisfies Griffith's criterion, along the whole branch.

@@ -1045,39 +1045,6 @@ fn arrays_on_films_pull_as_on_half_spaces_where_the_film_is_thick() {
     assert!(thin > 1e-3 && thin > 5.0 * middle, "{thin} {middle}");
 }
 
-/// Fronts are available for tops of equal size on equal columns only.
-#[test]
-fn adhesion_of_different_tops_is_not_supported() {
-    let refused = |system: &System| {
-        let cycle = fakir::cycle(
-            system,
-            CyclePlan::default(),
-            Method::default(),
-            &Run::default(),
-        );
-        let error = cycle.unwrap_err();
-        assert!(matches!(error, SolveError::Unsupported(_)));
-        error.to_string()
-    };
-    let pillar = |x: f64, diameter: f64| ListedPillar {
-        centre: [x, 0.0],
-        height: 2.2e-6,
-        diameter,
-    };
-    let list = PillarList::new(vec![pillar(0.0, 6e-6), pillar(20e-6, 8e-6)]).unwrap();
-    let message = refused(&adhesive_on(list, PillarCompliance::Column, 0.05));
-    assert!(message.contains("diameters"), "{message}");
-    let scattered = PlaneLattice {
-        disorder: Disorder {
-            heights: Scatter::normal(0.05, 0),
-            missing: 0.0,
-        },
-        ..PlaneLattice::new(LatticeForm::Square { pitch: 30e-6 })
-    };
-    let message = refused(&adhesive_on(scattered, PillarCompliance::Column, 0.05));
-    assert!(message.contains("columns"), "{message}");
-}
-
 /// The contact of adhesive tops with the floor between them at an indentation past the transition.
 fn past_the_transition(system: &System) -> ContactState {
     let past = Load::Indentation(6e-6);

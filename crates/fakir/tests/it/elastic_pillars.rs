@@ -4,9 +4,9 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_lens, paper_pillar, paper_system};
 use fakir::problem::{
-    Accuracy, Adhesion, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens, LensShape,
-    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
-    PlaneLattice, PunchForm, Quantity, Requirement, Scatter, ShapedLens, System,
+    Accuracy, Disorder, ElementMesh, HexagonalLattice, LatticeForm, Lens, LensShape, ListedPillar,
+    Load, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern, PlaneLattice,
+    PunchForm, Quantity, Scatter, ShapedLens, System,
 };
 use fakir::state::{Run, Warning};
 
@@ -389,7 +389,4 @@ fn unsupported_questions_on_elastic_pillars_are_refused() {
     }]);
     let refused = tall.with_arrangement(list.unwrap()).unwrap_err();
     assert_eq!(refused.quantity, Quantity::PillarSlenderness);
-    let refused = tall.with_adhesion(Adhesion::new(0.05)).unwrap_err();
-    assert_eq!(refused.requirement, Requirement::ZeroOnElastic);
-    assert!(tall.with_adhesion(Adhesion::NONE).is_ok());
 }

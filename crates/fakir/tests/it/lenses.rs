@@ -417,6 +417,35 @@ fn tilted_plates_press_linearly_and_symmetrically() {
     }
 }
 
+/// A tilted plate touches its first pillar at a negative indentation. The contact there is that of higher pillars at a lower indentation.
+#[test]
+fn tilted_plates_press_from_their_first_touch() {
+    let places: Vec<Point> = [-40e-6, 0.0, 40e-6].map(|x| [x, 0.0]).to_vec();
+    let tilted = plate(0.004, 0.0);
+    let level = system(tilted.clone(), list(&places));
+    let first = level.first_touch();
+    assert!(
+        (first / (-f64::tan(0.004) * 43e-6) - 1.0).abs() < 1e-9,
+        "{first:e}"
+    );
+    let by = 0.4e-6;
+    let higher = places.iter().map(|&centre| ListedPillar {
+        centre,
+        height: 2.2e-6 + by,
+        diameter: 6e-6,
+    });
+    let higher = system(tilted, PillarList::new(higher.collect()).unwrap());
+    for indentation in [-0.1e-6, -0.01e-6] {
+        let found = pressed(&level, Load::Indentation(indentation));
+        let expected = pressed(&higher, Load::Indentation(indentation - by));
+        assert_eq!(found.pillars_in_contact, 1);
+        assert!((found.force / expected.force - 1.0).abs() < 1e-9);
+    }
+    let run = Run::default();
+    let above = Load::Indentation(1.01 * first);
+    assert!(fakir::press(&level, above, Method::default(), &run).is_err());
+}
+
 fn profile(range: f64, rows: usize, height: impl Fn(f64) -> f64) -> LensShape {
     let radii: Vec<f64> = (0..=rows).map(|k| range * k as f64 / rows as f64).collect();
     let heights = radii.iter().map(|r| height(*r)).collect();

@@ -29,3 +29,4 @@ mod separations;
 mod surface_estimates;
 mod surfaces;
 mod truth;
+mod unlike_tops;

@@ -27,6 +27,8 @@ pub(crate) struct InsideTop {
     pub(super) layers: Vec<WeightedLayer>,
     pub(super) index: (i64, i64),
     pub(super) centre: Point,
+    /// Radius of the top, and its height above the common level.
+    pub(super) top: f64,
     pub(super) raised: f64,
     /// Radius at which the disc reaches the rim.
     pub(super) largest: f64,
@@ -81,6 +83,7 @@ impl InsideTop {
         AttachedTop {
             index: self.index,
             centre: self.centre,
+            radius: self.top,
             raised: self.raised,
             domain: Domain::OUT,
             coefficients: self.patch.coefficients.clone(),
@@ -88,11 +91,17 @@ impl InsideTop {
         }
     }
 
+    /// Fraction of the top in a disc of this radius.
+    pub(super) fn part(&self, radius: f64) -> f64 {
+        (radius / self.top).powi(2)
+    }
+
     /// The change between these fractions of the top in contact, before and after.
     pub(super) fn changed(&self, [before, after]: [f64; 2]) -> Change {
+        let area = PI * self.top * self.top;
         Change {
-            gained: PI * (after - before).max(0.0),
-            lost: PI * (before - after).max(0.0),
+            gained: area * (after - before).max(0.0),
+            lost: area * (before - after).max(0.0),
             tops: vec![ChangedTop {
                 index: self.index,
                 centre: self.centre,

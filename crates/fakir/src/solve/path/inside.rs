@@ -10,9 +10,9 @@ use super::disc::{Edge, InsideTop};
 use super::records::{AT_RIM, CENTRED, Change, End, Stop};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::roots;
-use crate::problem::pillar_field::ListedPillar;
+use crate::problem::pillar_field::{ListedPillar, PillarBody};
 use crate::solve::floor::{FloorDisplacement, FloorPoint, FloorSearch};
-use crate::solve::rules::fronts::{Course, Domain};
+use crate::solve::rules::fronts::{Course, Domain, Fronts};
 use crate::solve::rules::patch::{Patch, PatchSolver};
 use crate::state::{SolveError, Stage};
 use std::convert::Infallible;
@@ -44,8 +44,9 @@ impl Path<'_> {
         }
         // A contact that is too large for the lens is refused before it reaches the rim.
         let too_large = FARTHER * self.scene.lens.largest_contact();
-        let largest = (1.0 - from_centre).min(too_large);
-        let solver = PatchSolver::new(body.column.shortening, &self.scene.layers);
+        let largest = (body.radius - from_centre).min(too_large);
+        let shortening = body.column.shortening / body.radius;
+        let solver = PatchSolver::new(shortening, &self.scene.layers);
         (largest > 0.0).then(|| InsideTop {
             exterior: Exterior::new(if self.scene.layers.is_empty() {
                 solver.degree()
@@ -57,6 +58,7 @@ impl Path<'_> {
             solver,
             index,
             centre,
+            top: body.radius,
             raised: body.raised,
             largest,
         })
@@ -127,10 +129,10 @@ impl Path<'_> {
         self.advance(touched_at - self.indentation());
         self.record(Course::Loading);
         let before = [touched_at, self.force()];
-        let area = patch.radius * patch.radius;
+        let part = inside.part(patch.radius);
         inside.patch = patch;
         self.move_disc(inside);
-        self.account_disc(Course::Loading, before, 0.0, [0.0, area]);
+        self.account_disc(Course::Loading, before, 0.0, [0.0, part]);
         if snaps_to_rim {
             self.leave_inside(true)?;
         }
@@ -189,7 +191,7 @@ impl Path<'_> {
             edge.at(edge.find([least, inside.largest], fixed, measure))
         };
         drop(sag);
-        let area = patch.radius * patch.radius;
+        let part = inside.part(patch.radius);
         let is_centred = inside.is_centred();
         inside.patch = patch;
         self.tops.domains[pillar] = Domain::OUT;
@@ -197,7 +199,7 @@ impl Path<'_> {
         self.solve_present(Course::Unloading)?;
         self.move_disc(inside);
         if is_stable {
-            let parts = [self.tops.fronts.part(before.level), area];
+            let parts = [Fronts::part(before.level), part];
             self.account_disc(Course::Unloading, start, energy, parts);
             if !is_centred {
                 self.open_by_change(start);
@@ -366,7 +368,7 @@ impl Path<'_> {
         let Some(inside) = self.inside.take() else {
             return Ok(());
         };
-        let change = inside.changed([inside.patch.radius * inside.patch.radius, 0.0]);
+        let change = inside.changed([inside.part(inside.patch.radius), 0.0]);
         let [alpha, beta] = self.fixed.weights();
         if alpha > 0.0 {
             // A testing machine moves the lens until the force is zero.
@@ -417,9 +419,9 @@ impl Path<'_> {
                 if self.sites.index(site) == inside.index || distance > reached {
                     return false;
                 }
-                let raised = self.sites.body(site).raised;
-                [-1.0, 0.0, 1.0].iter().any(|part: &f64| {
-                    let at = centre.map(|x| x * (1.0 + part / distance));
+                let PillarBody { radius, raised, .. } = *self.sites.body(site);
+                [-radius, 0.0, radius].iter().any(|beside| {
+                    let at = centre.map(|x| x * (1.0 + beside / distance));
                     let [_, displaced] = discs.displacement(at);
                     lens.sag_with_brim(at) + displaced.value - raised <= indentation
                 })
@@ -444,11 +446,11 @@ impl Path<'_> {
             self.find_loads();
             let modes = self.contact.modes();
             let load = &self.loads[pillar * modes..][..modes];
-            self.tops.fronts.nearest(inside.area(), load)
+            self.tops.fronts(pillar).nearest(inside.area(), load)
         };
         self.solve_present(Course::Loading)?;
         self.respond()?;
-        let area = self.tops.fronts.area(self.tops.domains[pillar]);
+        let area = self.tops.fronts(pillar).area(self.tops.domains[pillar]);
         let change = Change {
             gained: (area - inside.area()).max(0.0),
             lost: 0.0,

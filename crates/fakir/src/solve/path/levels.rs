@@ -5,7 +5,7 @@
 //! force remains as long as some top is partially bonded.
 
 use super::Path;
-use crate::solve::rules::fronts::LEVELS;
+use crate::solve::rules::fronts::{Fronts, LEVELS};
 
 /// Relative change of the adhesive force of a contact by half a level, times the level number: the force is proportional to the area to the
 /// power 3/4.
@@ -25,15 +25,18 @@ impl Path<'_> {
     /// Adds the force error due to the first contact: the force of smaller contacts before it, half the force of punches of the lowest
     /// level, and half a level.
     pub(super) fn open_by_first_contact(&mut self) {
-        let fronts = &self.tops.fronts;
-        let attached = self.tops.domains.iter().filter(|domain| !domain.is_out());
-        let levels: Vec<usize> = attached.map(|domain| domain.level).collect();
-        let Some(lowest) = levels.iter().copied().min().filter(|level| *level < LEVELS) else {
+        let all = self.tops.domains.iter().enumerate();
+        let attached = all.filter(|(_, domain)| !domain.is_out());
+        let attached: Vec<(f64, usize)> = attached
+            .map(|(top, domain)| (self.tops.fronts(top).radius(), domain.level))
+            .collect();
+        let levels = attached.iter().map(|(_, level)| *level);
+        let Some(lowest) = levels.min().filter(|level| *level < LEVELS) else {
             return;
         };
         let depth = (self.indentation() - self.scene.first_touch()).max(0.0);
-        let radius = fronts.part(1).sqrt();
-        let before = levels.len() as f64 * radius * depth;
+        let radii: f64 = attached.iter().map(|(radius, _)| radius).sum();
+        let before = Fronts::part(1).sqrt() * radii * depth;
         let of_level = HALF_LEVEL / lowest as f64 * self.force().abs();
         self.left_open = self.left_open.max(before).max(of_level);
     }

@@ -106,9 +106,11 @@ pub(crate) struct Energies {
 pub(crate) struct AttachedTop {
     pub(crate) index: (i64, i64),
     pub(crate) centre: Point,
-    /// Height above the common level.
+    /// Radius of the top, and its height above the common level.
+    pub(crate) radius: f64,
     pub(crate) raised: f64,
     pub(crate) domain: Domain,
+    /// Coefficients of `q`.
     pub(crate) coefficients: Vec<f64>,
     /// Radius of the disc around the lens axis that the coefficients refer to, if a disc and not a region up to a front is in contact.
     pub(crate) disc: Option<f64>,
@@ -119,7 +121,7 @@ impl AttachedTop {
     pub(crate) fn has_free_disc(&self) -> bool {
         let from_centre = self.centre[0].hypot(self.centre[1]);
         self.disc.is_some_and(|radius| {
-            from_centre < CENTRED || radius < (1.0 - AT_RIM) * (1.0 - from_centre)
+            from_centre < CENTRED || radius < (1.0 - AT_RIM) * (self.radius - from_centre)
         })
     }
 }

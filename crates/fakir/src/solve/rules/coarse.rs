@@ -58,10 +58,10 @@ impl MeanCoupling {
     }
 }
 
-/// `B_00` between two tops at a distance in units of their radius, by the terms of [`F4`](crate::halfspace::coupling::pair) up to the
-/// second degree: 2 % too small if the tops touch each other.
-fn mean_coupling(distance: f64) -> f64 {
-    let square = distance.powi(-2);
+/// `B_00` between two tops at a distance, by the terms of [`F4`](crate::halfspace::coupling::pair) up to the second degree for two tops of
+/// the mean square of their radii: 2 % too small if equal tops touch each other.
+fn mean_coupling(distance: f64, [one, other]: [f64; 2]) -> f64 {
+    let square = 0.5 * (one * one + other * other) * distance.powi(-2);
     UNIT_FORCE * UNIT_FORCE / (PI * distance) * (1.0 + square / 3.0 + 0.4 * square * square)
 }
 
@@ -106,7 +106,8 @@ impl Coarse {
             None if one == other => 0.0,
             None => {
                 let [[a, b], [c, d]] = [one, other].map(|top| sites.centres()[top]);
-                mean_coupling((a - c).hypot(b - d))
+                let radii = [one, other].map(|top| sites.body(top).radius);
+                mean_coupling((a - c).hypot(b - d), radii)
             }
         };
         let mut matrix = vec![0.0; size * size];

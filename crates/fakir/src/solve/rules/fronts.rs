@@ -12,7 +12,9 @@
 //! a top in full contact is stable up to the edge coefficient `q = -q_c`, `q_c = sqrt(2 w/pi)`: the stress intensity factor there is
 //! `-q sqrt(pi a)` (K. Kendall, J. Phys. D 4, 1186 (1971), for the single punch).
 //!
-//! Lengths are in pillar radii, pressures in `E*`, so that works of adhesion are in `E* a`.
+//! Lengths are in common pillar radii, pressures in `E*`, so that works of adhesion are in `E*` times this radius. A top of another radius
+//! `a` responds like one of unit radius with moments larger by a factor of `a` and works of adhesion larger by the same factor: under equal
+//! loads its pressures are lower by `1/a`, and `q_c` by `1/sqrt a`.
 
 use crate::halfspace::disc::basis::{
     BasisEvaluator, TILT_COMPLIANCE, compliances, degree_with, mode_count,
@@ -21,6 +23,7 @@ use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
 use crate::problem::column::Column;
 use crate::state::fields::{BondedRegion, Front};
 use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, LazyLock};
 
 /// Number of area levels, not counting the empty one; the last is the whole top.
 pub(crate) const LEVELS: usize = 16;
@@ -159,58 +162,43 @@ impl<'l> Line<'l> {
     }
 }
 
-/// Responses of all tops, and their criteria of change.
+/// Responses of tops of one radius on equal columns, and their criteria of change.
 pub(crate) struct Fronts {
+    /// Works of adhesion, and the same times the radius of the tops.
     works: Works,
-    /// Area of the levels.
-    area: [f64; LEVELS + 1],
-    /// `b` and `s` of every front, by level and curvature.
-    shapes: Vec<[[f64; 2]; CURVATURES]>,
-    /// Points around the bonded region, in the frame of the front, by level and curvature.
-    outlines: Vec<[Vec<[f64; 2]>; CURVATURES]>,
-    /// `P` by level and curvature, including columns.
+    own: Works,
+    /// Radius of the tops.
+    radius: f64,
+    /// `P` by level and curvature for a top of unit radius, including columns.
     responses: Vec<[Entries; CURVATURES]>,
     /// `1/lambda` of the modes of the coupling.
     full: Vec<f64>,
-    /// Edge coefficient at every angle of a top in full contact per unit load in every mode.
-    rim: Vec<f64>,
-    /// The modes at the points where contact is checked.
-    points: Vec<f64>,
-    /// Bounds of the modes at those points, and of the edge coefficients.
-    bounds: Vec<f64>,
+    /// Bounds of the edge coefficients per unit load in every mode.
     rim_bounds: Vec<f64>,
+    modes: Arc<Modes>,
     /// Whether fronts may stop at intermediate levels; otherwise tops are out of contact or in full contact.
     partial: bool,
 }
 
-impl Fronts {
-    /// For tops whose pressure has the modes up to `degree`, at least 2.
-    pub(crate) fn new(
-        degree: usize,
-        column: impl Into<Column>,
-        works: Works,
-        partial: bool,
-    ) -> Self {
-        let column = column.into();
+/// The modes of the coupling at the points of a top at which it is checked, for tops of any radius on any column.
+struct Modes {
+    /// At every angle of the rim.
+    rim: Vec<f64>,
+    /// At the points where contact is checked.
+    points: Vec<f64>,
+    /// Bounds of the modes at the angles, and at the points.
+    rim_bounds: Vec<f64>,
+    bounds: Vec<f64>,
+}
+
+impl Modes {
+    fn new(degree: usize) -> Self {
         let count = mode_count(degree);
         let mut basis = BasisEvaluator::new(degree);
-        let full: Vec<f64> = compliances(degree, column)
-            .iter()
-            .map(|lambda| lambda.recip())
-            .collect();
         let mut rim = vec![0.0; RIM_ANGLES * count];
         for (number, row) in rim.chunks_exact_mut(count).enumerate() {
             let (sin, cos) = (TAU * number as f64 / RIM_ANGLES as f64).sin_cos();
             basis.evaluate([cos, sin], row);
-            for (value, full) in row.iter_mut().zip(&full) {
-                *value *= full;
-            }
-        }
-        let mut rim_bounds = vec![0.0_f64; count];
-        for row in rim.chunks_exact(count) {
-            for (bound, value) in rim_bounds.iter_mut().zip(row) {
-                *bound = bound.max(value.abs());
-            }
         }
         let ring = |rho: f64| {
             (0..RING_POINTS).map(move |number| {
@@ -220,32 +208,75 @@ impl Fronts {
         };
         let places = std::iter::once([0.0, 0.0]).chain(RINGS.into_iter().flat_map(ring));
         let mut points = Vec::new();
-        let mut bounds = vec![0.0_f64; count];
         for place in places {
             let mut row = vec![0.0; count];
             basis.evaluate(place, &mut row);
-            for (bound, value) in bounds.iter_mut().zip(&row) {
-                *bound = bound.max(value.abs());
-            }
             points.extend(row);
         }
-        let Table {
-            area,
-            shapes,
-            responses,
-        } = Table::read(column);
-        let outlines = shapes.iter().map(|of_level| of_level.map(outline));
+        let bounds = |rows: &[f64]| {
+            let mut bounds = vec![0.0_f64; count];
+            for row in rows.chunks_exact(count) {
+                for (bound, value) in bounds.iter_mut().zip(row) {
+                    *bound = bound.max(value.abs());
+                }
+            }
+            bounds
+        };
         Self {
-            works,
-            area,
-            outlines: outlines.collect(),
-            shapes,
-            responses,
-            full,
+            rim_bounds: bounds(&rim),
+            bounds: bounds(&points),
             rim,
             points,
-            bounds,
-            rim_bounds,
+        }
+    }
+}
+
+impl Fronts {
+    /// For tops of unit radius whose pressure has the modes up to `degree`, at least 2.
+    pub(crate) fn new(
+        degree: usize,
+        column: impl Into<Column>,
+        works: Works,
+        partial: bool,
+    ) -> Self {
+        let modes = Arc::new(Modes::new(degree));
+        Self::of(modes, degree, 1.0, column.into(), works, partial)
+    }
+
+    /// The same for tops of another radius, on other columns.
+    pub(crate) fn on(&self, radius: f64, column: Column) -> Self {
+        let modes = self.modes.clone();
+        Self::of(
+            modes,
+            self.degree(),
+            radius,
+            column,
+            self.works,
+            self.partial,
+        )
+    }
+
+    fn of(
+        modes: Arc<Modes>,
+        degree: usize,
+        radius: f64,
+        column: Column,
+        works: Works,
+        partial: bool,
+    ) -> Self {
+        let full: Vec<f64> = compliances(degree, column)
+            .iter()
+            .map(|lambda| lambda.recip())
+            .collect();
+        let bounds = modes.rim_bounds.iter().zip(&full);
+        Self {
+            works,
+            own: works.times(radius),
+            radius,
+            responses: TABLE.on(column),
+            rim_bounds: bounds.map(|(bound, full)| bound * full).collect(),
+            full,
+            modes,
             partial,
         }
     }
@@ -263,27 +294,29 @@ impl Fronts {
         self.works
     }
 
-    /// Smallest and largest edge coefficient of a top in full contact with these pressure coefficients.
+    /// Smallest and largest edge coefficient of a top in full contact with these coefficients of `q`.
     pub(crate) fn edge_range(&self, coefficients: &[f64]) -> [f64; 2] {
-        let rows = self.rim.chunks_exact(self.count());
-        let at = |row: &[f64]| -> f64 {
-            let terms = row.iter().zip(&self.full).zip(coefficients);
-            terms.map(|((q, full), c)| q / full * c).sum()
-        };
-        rows.map(at)
+        let rows = self.modes.rim.chunks_exact(self.count());
+        rows.map(|row| sum(row, coefficients))
             .fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], q| {
                 [least.min(q), most.max(q)]
             })
     }
 
-    /// Contact area, in squares of the pillar radius.
+    /// Contact area of a top.
     pub(crate) fn area(&self, domain: Domain) -> f64 {
-        self.area[domain.level]
+        self.radius * self.radius * TABLE.area[domain.level]
+    }
+
+    /// Radius of the tops.
+    pub(crate) fn radius(&self) -> f64 {
+        self.radius
     }
 
     /// The front, of level 1 at least, whose contact area is closest to an area under a load.
     pub(crate) fn nearest(&self, area: f64, load: &[f64]) -> Domain {
-        let off = |level: &usize| (self.area[*level] - area).abs();
+        let area = area / (self.radius * self.radius);
+        let off = |level: &usize| (TABLE.area[*level] - area).abs();
         let level = (1..LEVELS)
             .min_by(|a, b| off(a).total_cmp(&off(b)))
             .unwrap_or(1);
@@ -297,71 +330,84 @@ impl Fronts {
     }
 
     /// Bonded fraction of the top at a level.
-    pub(crate) fn part(&self, level: usize) -> f64 {
-        self.area[level] / PI
+    pub(crate) fn part(level: usize) -> f64 {
+        TABLE.area[level] / PI
     }
 
     /// Whether the centre of the top is in contact.
-    pub(crate) fn bonds_centre(&self, domain: Domain) -> bool {
+    pub(crate) fn bonds_centre(domain: Domain) -> bool {
         domain.is_full()
-            || domain.is_partial() && self.shapes[domain.level][domain.curvature][1] > 0.0
+            || domain.is_partial() && TABLE.shapes[domain.level][domain.curvature][1] > 0.0
     }
 
     /// Bonded region of a top in contact.
-    pub(crate) fn bonded_region(&self, domain: Domain) -> BondedRegion {
+    pub(crate) fn bonded_region(domain: Domain) -> BondedRegion {
         if domain.is_full() {
             return BondedRegion::All;
         }
-        let [curvature, place] = self.shapes[domain.level][domain.curvature];
+        let [curvature, place] = TABLE.shapes[domain.level][domain.curvature];
         BondedRegion::Before(Front {
             curvature,
             place,
             direction: domain.direction,
-            area: self.area[domain.level],
+            area: TABLE.area[domain.level],
         })
     }
 
-    /// Distance of the farthest point in contact from a point, both relative to the centre of the top, in pillar radii.
+    /// Distance of the farthest point in contact from a point, both relative to the centre of the top.
     pub(crate) fn farthest_from(&self, domain: Domain, [x, y]: [f64; 2]) -> f64 {
         if domain.is_full() {
-            return 1.0 + x.hypot(y);
+            return self.radius + x.hypot(y);
         }
+        let [x, y] = [x, y].map(|x| x / self.radius);
         // In the frame of the front.
         let (sin, cos) = domain.direction.sin_cos();
         let from = [cos * x + sin * y, cos * y - sin * x];
-        let outline = &self.outlines[domain.level][domain.curvature];
+        let outline = &TABLE.outlines[domain.level][domain.curvature];
         let squares = outline
             .iter()
             .map(|at| (at[0] - from[0]).powi(2) + (at[1] - from[1]).powi(2));
-        squares.fold(0.0, f64::max).sqrt()
+        self.radius * squares.fold(0.0, f64::max).sqrt()
     }
 
-    /// `c = P l`
+    /// Moments `a P l` of the pressure under a load.
     pub(crate) fn respond(&self, domain: Domain, load: &[f64], coefficients: &mut [f64]) {
         if domain.is_out() {
             coefficients.fill(0.0);
         } else if domain.is_full() {
             for ((c, l), full) in coefficients.iter_mut().zip(load).zip(&self.full) {
-                *c = l * full;
+                *c = self.radius * l * full;
             }
         } else {
             let local = turned(load, domain.direction);
             let answer = product(self.response(domain), &local);
             let back = turned(&answer, -domain.direction);
             coefficients.fill(0.0);
-            coefficients[..MODES].copy_from_slice(&back);
+            for (c, back) in coefficients.iter_mut().zip(back) {
+                *c = self.radius * back;
+            }
         }
     }
 
-    /// `P_00`: mean response of a top to a mean load; zero out of contact.
+    /// `a P_00`: mean response of a top to a mean load; zero out of contact.
     pub(crate) fn mean_compliance(&self, domain: Domain) -> f64 {
-        if domain.is_out() {
+        let of_unit = if domain.is_out() {
             0.0
         } else if domain.is_full() {
             self.full[0]
         } else {
             self.response(domain)[0]
+        };
+        self.radius * of_unit
+    }
+
+    /// The load times `1/lambda`: coefficients of the edge of a top in full contact.
+    fn in_full(&self, load: &[f64]) -> [f64; MOST_MODES] {
+        let mut answer = [0.0; MOST_MODES];
+        for ((c, l), full) in answer.iter_mut().zip(load).zip(&self.full) {
+            *c = l * full;
         }
+        answer
     }
 
     fn response(&self, domain: Domain) -> &Entries {
@@ -373,7 +419,7 @@ impl Fronts {
         if self.highest_point(Line::at(load), 0.0) < 0.0 {
             return false;
         }
-        let mut rows = self.points.chunks_exact(self.count());
+        let mut rows = self.modes.points.chunks_exact(self.count());
         rows.any(|row| sum(row, load) >= 0.0)
     }
 
@@ -384,7 +430,7 @@ impl Fronts {
             .iter()
             .zip(load.along)
             .map(|(l, along)| l + t * along);
-        let mut terms = loads.zip(&self.bounds);
+        let mut terms = loads.zip(&self.modes.bounds);
         let mean = terms.next().map_or(0.0, |(l, bound)| l * bound);
         mean + terms.map(|(l, bound)| l.abs() * bound).sum::<f64>()
     }
@@ -407,8 +453,9 @@ impl Fronts {
         if self.lowest_edge(Line::at(load), 0.0) > -critical {
             return true;
         }
-        let mut rows = self.rim.chunks_exact(self.count());
-        rows.all(|row| sum(row, load) >= -critical)
+        let edge = self.in_full(load);
+        let mut rows = self.modes.rim.chunks_exact(self.count());
+        rows.all(|row| sum(row, &edge) >= -critical)
     }
 
     /// State of a top under its load with all others linearized: the front moves until it neither advances nor recedes.
@@ -430,14 +477,14 @@ impl Fronts {
         let local = turned(load, present.direction);
         let grown = |present: &mut Domain| {
             if present.level == LEVELS - 1 {
-                let holds = self.holds(load, self.works.advancing);
+                let holds = self.holds(load, self.own.advancing);
                 if holds {
                     *present = Domain::FULL;
                 }
                 return holds;
             }
             let next = self.best(present.level + 1, &local);
-            let advances = self.release(*present, next, &local) < self.works.advancing;
+            let advances = self.release(*present, next, &local) < self.own.advancing;
             if advances {
                 (present.level, present.curvature) = next;
             }
@@ -450,7 +497,7 @@ impl Fronts {
         }
         let shrunk = |present: &mut Domain| {
             if present.is_full() {
-                let lets_go = !self.holds(load, self.works.receding);
+                let lets_go = !self.holds(load, self.own.receding);
                 if lets_go {
                     (present.level, present.curvature) = self.best(LEVELS - 1, &local);
                 }
@@ -463,7 +510,7 @@ impl Fronts {
                 ..*present
             };
             let energy = (present.level, present.curvature);
-            let recedes = self.release(smaller, energy, &local) > self.works.receding;
+            let recedes = self.release(smaller, energy, &local) > self.own.receding;
             if recedes {
                 *present = smaller;
             }
@@ -481,9 +528,9 @@ impl Fronts {
 
     /// The same if tops are out of contact or in full contact.
     fn march_whole(&self, domain: Domain, load: &[f64]) -> Domain {
-        if domain.is_out() && self.is_touched(load) && self.holds(load, self.works.advancing) {
+        if domain.is_out() && self.is_touched(load) && self.holds(load, self.own.advancing) {
             Domain::FULL
-        } else if domain.is_full() && !self.holds(load, self.works.receding) {
+        } else if domain.is_full() && !self.holds(load, self.own.receding) {
             Domain::OUT
         } else {
             domain
@@ -524,7 +571,7 @@ impl Fronts {
     fn release(&self, domain: Domain, next: (usize, usize), local: &[f64; MODES]) -> f64 {
         let (level, curvature) = next;
         let change = difference(&self.responses[level][curvature], self.response(domain));
-        let area = self.area[level] - self.area[domain.level];
+        let area = TABLE.area[level] - TABLE.area[domain.level];
         let released = elastic(&change, local) / area;
         if product(&change, local)[0] > 0.0 {
             -released.abs()
@@ -549,7 +596,7 @@ impl Fronts {
                 .into_iter()
                 .all(|l| l < 0.0),
             Course::Unloading if domain.is_full() => {
-                let smallest = -critical_stress_intensity_factor(self.works.receding);
+                let smallest = -critical_stress_intensity_factor(self.own.receding);
                 ends.map(|t| self.lowest_edge(load, t))
                     .into_iter()
                     .all(|q| q > smallest)
@@ -576,11 +623,11 @@ impl Fronts {
             0.0
         };
         if !self.partial {
-            let holding = self.holding(load, self.works.advancing)?;
+            let holding = self.holding(load, self.own.advancing)?;
             return Some(touched.max(holding));
         }
         if domain.level == LEVELS - 1 {
-            return self.holding(load, self.works.advancing);
+            return self.holding(load, self.own.advancing);
         }
         // The direction is that at the position where the top is first touched.
         let frame = if domain.is_out() {
@@ -591,8 +638,8 @@ impl Fronts {
             domain.direction
         };
         let line = [load.start, load.along].map(|part| turned(part, frame));
-        let area = self.area[domain.level + 1] - self.area[domain.level];
-        let work = self.works.advancing;
+        let area = TABLE.area[domain.level + 1] - TABLE.area[domain.level];
+        let work = self.own.advancing;
         let event = (0..CURVATURES).filter_map(|curvature| {
             let next = &self.responses[domain.level + 1][curvature];
             let change = difference(next, self.response(domain));
@@ -608,11 +655,11 @@ impl Fronts {
             return None;
         }
         if domain.is_full() {
-            return self.releasing(load, self.works.receding);
+            return self.releasing(load, self.own.receding);
         }
         let line = [load.start, load.along].map(|part| turned(part, domain.direction));
-        let area = self.area[domain.level] - self.area[domain.level - 1];
-        let work = self.works.receding;
+        let area = TABLE.area[domain.level] - TABLE.area[domain.level - 1];
+        let work = self.own.receding;
         let event = (0..CURVATURES).filter_map(|curvature| {
             let last = &self.responses[domain.level - 1][curvature];
             let change = difference(self.response(domain), last);
@@ -625,7 +672,7 @@ impl Fronts {
 
     /// Position along the line at which the top is first touched.
     fn touching(&self, load: Line<'_>) -> Option<f64> {
-        let rows = self.points.chunks_exact(self.count());
+        let rows = self.modes.points.chunks_exact(self.count());
         let times = rows.filter_map(|row| {
             let (start, along) = (sum(row, load.start), sum(row, load.along));
             if start >= 0.0 {
@@ -640,9 +687,10 @@ impl Fronts {
     /// Position along the line at which the first point of the rim exceeds the critical tension.
     fn releasing(&self, load: Line<'_>, work: f64) -> Option<f64> {
         let critical = critical_stress_intensity_factor(work);
-        let rows = self.rim.chunks_exact(self.count());
+        let [start, along] = [load.start, load.along].map(|part| self.in_full(part));
+        let rows = self.modes.rim.chunks_exact(self.count());
         let times = rows.filter_map(|row| {
-            let (start, along) = (sum(row, load.start) + critical, sum(row, load.along));
+            let (start, along) = (sum(row, &start) + critical, sum(row, &along));
             if start < 0.0 {
                 Some(0.0)
             } else {
@@ -655,9 +703,10 @@ impl Fronts {
     /// Position along the line from which the whole rim would stay attached.
     fn holding(&self, load: Line<'_>, work: f64) -> Option<f64> {
         let critical = critical_stress_intensity_factor(work);
+        let [start, along] = [load.start, load.along].map(|part| self.in_full(part));
         let mut last = 0.0_f64;
-        for row in self.rim.chunks_exact(self.count()) {
-            let (start, along) = (sum(row, load.start) + critical, sum(row, load.along));
+        for row in self.modes.rim.chunks_exact(self.count()) {
+            let (start, along) = (sum(row, &start) + critical, sum(row, &along));
             if start >= 0.0 {
                 continue;
             }
@@ -797,46 +846,65 @@ fn roots(&[constant, linear, square]: &Quadratic) -> [f64; 2] {
 
 /// Content of `front_table.csv`, by level and curvature.
 struct Table {
+    /// Area of the levels on a top of unit radius.
     area: [f64; LEVELS + 1],
+    /// `b` and `s` of every front.
     shapes: Vec<[[f64; 2]; CURVATURES]>,
+    /// Points around the bonded region, in the frame of the front.
+    outlines: Vec<[Vec<[f64; 2]>; CURVATURES]>,
+    /// `P` of a top on a half-space.
     responses: Vec<[Entries; CURVATURES]>,
 }
 
+static TABLE: LazyLock<Table> = LazyLock::new(Table::read);
+
 impl Table {
-    /// Includes columns as springs in series: `K` for the mean and for both tilts, `pi kappa` and `pi/2` times the rocking.
-    /// `P` becomes `P - P E (1 + K E'P E)^-1 K E'P` with `E` these modes.
-    fn read(column: Column) -> Self {
-        let springs = [PI * column.shortening, TILT_COMPLIANCE * column.rocking];
-        let mut table = Self {
-            area: [0.0; LEVELS + 1],
-            shapes: vec![[[0.0; 2]; CURVATURES]; LEVELS],
-            responses: vec![[[0.0; ENTRIES.len()]; CURVATURES]; LEVELS],
-        };
-        table.area[LEVELS] = PI;
-        for (number, line) in TABLE.lines().skip(1).enumerate() {
+    fn read() -> Self {
+        let mut area = [0.0; LEVELS + 1];
+        let mut shapes = vec![[[0.0; 2]; CURVATURES]; LEVELS];
+        let mut responses = vec![[[0.0; ENTRIES.len()]; CURVATURES]; LEVELS];
+        area[LEVELS] = PI;
+        for (number, line) in FILE.lines().skip(1).enumerate() {
             let (level, curvature) = (1 + number / CURVATURES, number % CURVATURES);
             let mut numbers = line
                 .split(',')
                 .map(|cell| cell.parse().unwrap_or(f64::NAN))
                 .skip(1);
             let mut next = || numbers.next().unwrap_or(f64::NAN);
-            table.area[level] = PI * next();
-            table.shapes[level][curvature] = [next(), next()];
-            let mut entries = [0.0; ENTRIES.len()];
-            entries.fill_with(next);
-            let unit = |mode: usize| std::array::from_fn(|k| f64::from(u8::from(k == mode)));
-            let [mean, tilt, across] = [0, 1, 2].map(|mode| product(&entries, &unit(mode)));
+            area[level] = PI * next();
+            shapes[level][curvature] = [next(), next()];
+            responses[level][curvature].fill_with(next);
+        }
+        let outlines = shapes.iter().map(|of_level| of_level.map(outline));
+        Self {
+            area,
+            outlines: outlines.collect(),
+            shapes,
+            responses,
+        }
+    }
+
+    /// The responses including columns as springs in series: `K` for the mean and for both tilts, `pi kappa` and `pi/2` times the rocking.
+    /// `P` becomes `P - P E (1 + K E'P E)^-1 K E'P` with `E` these modes.
+    fn on(&self, column: Column) -> Vec<[Entries; CURVATURES]> {
+        let springs = [PI * column.shortening, TILT_COMPLIANCE * column.rocking];
+        let unit = |mode: usize| std::array::from_fn(|k| f64::from(u8::from(k == mode)));
+        let units: [[f64; MODES]; 3] = [0, 1, 2].map(unit);
+        let softened = |entries: &Entries| {
+            let [mean, tilt, across] = units.map(|unit| product(entries, &unit));
             // The tilt across the front is odd and decouples from the other two.
             let softening = softening(springs, [mean[0], mean[1], tilt[1]]);
             let of_across = springs[1] / (1.0 + springs[1] * across[2]);
+            let mut entries = *entries;
             for (entry, (i, j)) in entries.iter_mut().zip(ENTRIES) {
                 let of_mean = softening[0] * mean[j] + softening[1] * tilt[j];
                 let of_tilt = softening[1] * mean[j] + softening[2] * tilt[j];
                 *entry -= mean[i] * of_mean + tilt[i] * of_tilt + of_across * across[i] * across[j];
             }
-            table.responses[level][curvature] = entries;
-        }
-        table
+            entries
+        };
+        let of_level = |level: &[Entries; CURVATURES]| level.each_ref().map(softened);
+        self.responses.iter().map(of_level).collect()
     }
 }
 
@@ -851,7 +919,7 @@ fn softening([k, l]: [f64; 2], [a, b, c]: [f64; 3]) -> [f64; 3] {
 }
 
 /// Created by the example `front_table`, which documents the method.
-const TABLE: &str = include_str!("front_table.csv");
+const FILE: &str = include_str!("front_table.csv");
 
 #[cfg(test)]
 mod tests {
@@ -900,7 +968,7 @@ mod tests {
         };
         let expected: Vec<Vec<f64>> = INDEPENDENT.lines().skip(1).map(numbers).collect();
         let mut rows = 0;
-        for line in TABLE.lines().skip(1) {
+        for line in FILE.lines().skip(1) {
             let row = numbers(line);
             let front = |row: &[f64]| [row[0], row[2]].map(f64::to_bits);
             let same = |other: &&Vec<f64>| front(other) == front(&row);
