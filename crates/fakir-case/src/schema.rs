@@ -252,5 +252,5 @@ fn any(mut schemas: Vec<Value>) -> Value {
 }
 
 fn not(schema: Value) -> Value {
-    json!({"not": schema})
+    Value::Object(Map::from_iter([("not".to_owned(), schema)]))
 }

@@ -192,10 +192,10 @@ fn names(variable: Variable) -> Vec<String> {
     if last(path) != path {
         names.push(last(path));
     }
-    if let Variable::Key(key) = variable {
-        if let Some(former) = key.former() {
-            names.extend([former.to_owned(), last(former)]);
-        }
+    if let Variable::Key(key) = variable
+        && let Some(former) = key.former()
+    {
+        names.extend([former.to_owned(), last(former)]);
     }
     for index in 0..names.len() {
         if let Some(rest) = names[index].strip_prefix(PATTERN_TABLE)
