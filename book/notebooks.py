@@ -36,6 +36,8 @@ from pathlib import Path
 
 if importlib.util.find_spec("fakir") is None:
     get_ipython().run_line_magic("pip", "install --quiet fakir[dask,plot,xarray]=={version}")
+# Without moving lines of progress.
+os.environ["TERM"] = "dumb"
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 here = Path.cwd()
 root = next((folder for folder in [here, *here.parents] if (folder / "examples").is_dir()), None)

@@ -195,7 +195,7 @@ def test_the_program_runs_in_an_empty_root(archive, tmp_path):
     def run(*arguments):
         command = [program, *arguments]
         if as_root:
-            command = ["chroot", str(root), *command]
+            command = [as_root, str(root), *command]
         else:
             command[0] = str(root / program.lstrip("/"))
         place = {} if as_root else {"cwd": work}

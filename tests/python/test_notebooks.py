@@ -66,10 +66,10 @@ def test_notebooks_run_with_the_results_of_the_pages(path, tmp_path, monkeypatch
 
 
 def printed(cell):
-    """What a cell prints, with the value of its last line."""
+    """What a cell prints, with the value of its last line; warnings of Python are not on the pages."""
     parts = []
     for output in cell.outputs:
-        if output.output_type == "stream":
+        if output.output_type == "stream" and output.name == "stdout":
             parts.append(output.text)
         elif output.output_type == "execute_result":
             parts.append(output.data["text/plain"])

@@ -5,7 +5,7 @@
 
 use crate::entries::STUDY_TABLES;
 use crate::key::{FORMER_TABLE, Key, PATTERN_TABLE, Setting};
-use crate::study::{axes_schema, study_schema};
+use crate::study::{Variable, axes_schema, axis_definitions, is_axis, load_rules, study_schema};
 use crate::table::{IMPLIED, Part, Presence};
 use crate::value_schema::{accepted_words, key_schema};
 use serde_json::{Map, Value, json};
@@ -19,9 +19,11 @@ use serde_json::{Map, Value, json};
 #[must_use]
 pub fn schema() -> Value {
     let keys = Key::ALL.into_iter();
-    let definitions: Map<String, Value> = keys
-        .map(|key| (key.path().to_owned(), key_schema(key)))
-        .collect();
+    let values = keys.map(|key| (key.path().to_owned(), key_schema(key)));
+    let keys = Key::ALL.into_iter();
+    let presences = keys.map(|key| (format!("given {key}"), given_anywhere(key)));
+    let definitions: Map<String, Value> =
+        values.chain(axis_definitions()).chain(presences).collect();
     let mut properties = Map::new();
     for key in Key::ALL {
         let value = json!({"$ref": format!("#/definitions/{key}")});
@@ -40,8 +42,21 @@ pub fn schema() -> Value {
     let [study, axes] = STUDY_TABLES;
     properties.insert(study.to_owned(), study_schema());
     properties.insert(axes.to_owned(), axes_schema());
-    // An axis replaces a key, and deprecated names are checked when the file is read.
-    let is_plain = not(any(vec![has(axes), has(FORMER_TABLE)]));
+    // The case of a study may be in another file, and the deprecated table is checked when the file is read.
+    let is_elsewhere = any(vec![has("study.case"), has(FORMER_TABLE)]);
+    let mut rules = vec![
+        json!({"if": has(study), "then": has(axes)}),
+        json!({"if": has("study.case"), "then": not(any(tables))}),
+        not(all(vec![has(PATTERN_TABLE), has("surface")])),
+        json!({"if": not(is_elsewhere), "then": of_kinds()}),
+    ];
+    rules.extend(load_rules());
+    for key in Key::ALL {
+        if let Some(other) = key.alternative().filter(|other| key < *other) {
+            let axes = [key, other].map(|key| is_axis(Variable::Key(key)));
+            rules.push(not(all(axes.into())));
+        }
+    }
     json!({
         "$schema": "http://json-schema.org/draft-07/schema#",
         "title": "Case and study files of fakir",
@@ -50,12 +65,7 @@ pub fn schema() -> Value {
         "additionalProperties": false,
         "properties": properties,
         "definitions": definitions,
-        "allOf": [
-            {"if": has(study), "then": has(axes)},
-            {"if": has("study.case"), "then": not(any(tables))},
-            not(all(vec![has(PATTERN_TABLE), has("surface")])),
-            {"if": is_plain, "then": of_kinds()},
-        ],
+        "allOf": rules,
     })
 }
 
@@ -88,7 +98,7 @@ fn of_kinds() -> Value {
     };
     let refused = |is_refused: &dyn Fn(Key) -> bool| -> Value {
         let keys = Key::ALL.into_iter().filter(|key| is_refused(*key));
-        not(any(keys.map(given).collect()))
+        not(any(keys.map(written).collect()))
     };
     let flat = both(refused(&|key| !key.is_on_flat()), of(Part::OF_FLAT));
     let (map, pattern) = (Key::HeightMap, Key::Arrangement);
@@ -122,7 +132,7 @@ fn rules(key: Key) -> Vec<Value> {
         .map(|(choice, words)| chosen(choice, words))
         .collect();
     if !choices.is_empty() {
-        rules.push(json!({"if": given(key), "then": all(choices)}));
+        rules.push(json!({"if": written(key), "then": all(choices)}));
     }
     if let Some(needed) = key.needs() {
         rules.push(json!({"if": given(key), "then": given(needed)}));
@@ -140,7 +150,7 @@ fn rules(key: Key) -> Vec<Value> {
             rules.push(json!({"if": accepted(key), "then": any(instead)}));
         }
         Presence::OneOf(other) => {
-            rules.push(not(both(given(key), given(other))));
+            rules.push(not(both(written(key), written(other))));
             // A height map may contain its size.
             if key.part() != Part::HeightMap {
                 let alone = both(accepted(key), not(accepted(other)));
@@ -164,8 +174,9 @@ fn accepted(key: Key) -> Value {
 
 /// Whether a key has one of some words: as given, by default, or because another key implies it.
 fn chosen(choice: Key, words: &[&str]) -> Value {
-    let is_given = both(given(choice), in_words(choice, words));
-    let mut ways = vec![is_given];
+    let is_written = both(written(choice), in_words(choice, words));
+    // Along an axis the words differ.
+    let mut ways = vec![is_written, is_axis(Variable::Key(choice))];
     let implied: Vec<(Key, &str)> = IMPLIED
         .into_iter()
         .filter(|(_, set, _)| *set == choice)
@@ -188,8 +199,18 @@ fn chosen(choice: Key, words: &[&str]) -> Value {
     any(ways)
 }
 
-/// Whether a key is given, by its name or its deprecated one.
+/// Whether a key is given: in the case, or as an axis.
 fn given(key: Key) -> Value {
+    json!({"$ref": format!("#/definitions/given%20{key}")})
+}
+
+/// The definition of [`given`].
+fn given_anywhere(key: Key) -> Value {
+    any(vec![written(key), is_axis(Variable::Key(key))])
+}
+
+/// Whether a key is written in the case, by its name or its deprecated one.
+fn written(key: Key) -> Value {
     let names = [Some(key.path()), key.former()];
     any(names.into_iter().flatten().map(has).collect())
 }
@@ -231,5 +252,5 @@ fn any(mut schemas: Vec<Value>) -> Value {
 }
 
 fn not(schema: Value) -> Value {
-    json!({"not": schema})
+    Value::Object(Map::from_iter([("not".to_owned(), schema)]))
 }

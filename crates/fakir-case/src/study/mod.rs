@@ -36,7 +36,7 @@ mod schema;
 pub use asked::{Asked, Combine, Question};
 pub use axis::{Axis, Coordinate, Variable};
 pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
-pub(crate) use schema::{axes_schema, study_schema};
+pub(crate) use schema::{axes_schema, axis_definitions, is_axis, load_rules, study_schema};
 
 use crate::any_case::AnyCase;
 use crate::asperities::AsperityCase;

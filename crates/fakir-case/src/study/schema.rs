@@ -17,10 +17,8 @@ pub(crate) fn study_schema() -> Value {
     let stiffness = quantity_schema(Dimension::Stiffness, (Excluded(0.0), Unbounded), None);
     let is =
         |name: &str, word: &str| json!({"required": [name], "properties": {name: {"const": word}}});
-    let loads = json!({"anyOf": [{"required": ["indentation"]}, {"required": ["force"]}]});
     let machine = is("drive", LoadingModeName::Machine.word());
     let cycle = is("question", Asked::Cycle.name());
-    let without_load = [Asked::Transition, Asked::Collapse].map(Asked::name);
     json!({
         "type": "object",
         "description": "The question about every case, and how the axes are combined.",
@@ -43,19 +41,34 @@ pub(crate) fn study_schema() -> Value {
             "machine_stiffness": stiffness,
         },
         "allOf": [
-            {"not": {"required": ["indentation", "force"]}},
             {"if": {"required": ["machine_stiffness"]}, "then": machine},
             {"if": machine, "then": {"required": ["machine_stiffness"]}},
             {"if": {"required": ["drive"]}, "then": cycle},
-            {
-                "if": {"anyOf": [
-                    {"not": {"required": ["question"]}},
-                    {"properties": {"question": {"enum": without_load}}},
-                ]},
-                "then": {"not": loads},
-            },
         ],
     })
+}
+
+/// Rules of a study that concern more than one table: a load is given once, if the question needs one.
+pub(crate) fn load_rules() -> Vec<Value> {
+    let of_study = |inner: Value| json!({"required": ["study"], "properties": {"study": inner}});
+    let loads = [Variable::Indentation, Variable::Force];
+    let fixed = loads.map(|load| of_study(json!({"required": [load.path()]})));
+    let varied = loads.map(is_axis);
+    let all: Vec<&Value> = fixed.iter().chain(&varied).collect();
+    let asks = |question: Asked| {
+        of_study(
+            json!({"required": ["question"], "properties": {"question": {"const": question.name()}}}),
+        )
+    };
+    let mut rules = vec![json!({"if": asks(Asked::Press), "then": {"anyOf": all}})];
+    for (index, one) in all.iter().enumerate() {
+        for other in &all[..index] {
+            rules.push(json!({"not": {"allOf": [one, other]}}));
+        }
+    }
+    let takes_load = [Asked::Press, Asked::Cycle].map(asks);
+    rules.push(json!({"if": {"anyOf": all}, "then": {"anyOf": takes_load}}));
+    rules
 }
 
 fn described(mut schema: Value, description: &str, default: &str) -> Value {
@@ -66,7 +79,7 @@ fn described(mut schema: Value, description: &str, default: &str) -> Value {
 
 /// Schema of `[axes]`: keys by their paths, in quotes or as tables, or by their last names.
 pub(crate) fn axes_schema() -> Value {
-    let mut properties = Map::new();
+    let (mut properties, mut tables) = (Map::new(), Map::new());
     let variables = || {
         let keys = Key::ALL.into_iter().map(Variable::Key);
         keys.chain([Variable::Indentation, Variable::Force])
@@ -87,34 +100,102 @@ pub(crate) fn axes_schema() -> Value {
         }
     }
     for (name, variables) in named {
-        let schemas: Vec<Value> = variables.into_iter().map(axis_schema).collect();
+        let schemas: Vec<Value> = variables.into_iter().map(axis_reference).collect();
         let of_all = match &schemas[..] {
             [one] => one.clone(),
             _ => json!({"anyOf": schemas}),
         };
         if let Some((table, last)) = name.rsplit_once('.') {
-            nested(&mut properties, table, last, of_all.clone());
+            nested(&mut tables, table, last, of_all.clone());
         }
         properties.insert(name, of_all);
     }
+    // `floor` is a table of keys and the last name of a key.
+    for (name, table) in tables {
+        let both = match properties.remove(&name) {
+            Some(axis) => json!({"anyOf": [axis, table]}),
+            None => table,
+        };
+        properties.insert(name, both);
+    }
+    // An axis by two names.
+    let twice = variables().map(|variable| {
+        let names: Vec<String> = names(variable)
+            .into_iter()
+            .filter(|name| properties.contains_key(name))
+            .collect();
+        let pairs = names
+            .iter()
+            .enumerate()
+            .flat_map(|(index, one)| names[..index].iter().map(move |other| [other, one]));
+        pairs
+            .filter(|[one, other]| one != other)
+            .map(|pair| json!({"required": pair}))
+            .collect::<Vec<_>>()
+    });
+    let refused: Vec<Value> = twice.flatten().collect();
     json!({
         "type": "object",
         "description": "What is varied: each axis is a list, or a range { from, to, points, spacing }.",
         "minProperties": 1,
         "additionalProperties": false,
         "properties": properties,
+        "not": {"anyOf": refused},
     })
+}
+
+/// Definitions of all axes, by their names in the schema.
+pub(crate) fn axis_definitions() -> impl Iterator<Item = (String, Value)> {
+    let keys = Key::ALL.into_iter().map(Variable::Key);
+    let all = keys.chain([Variable::Indentation, Variable::Force]);
+    all.map(|variable| (definition(variable), axis_schema(variable)))
+}
+
+/// Name of the definition of an axis.
+fn definition(variable: Variable) -> String {
+    format!("axis {}", variable.path())
+}
+
+fn axis_reference(variable: Variable) -> Value {
+    json!({"$ref": format!("#/definitions/{}", definition(variable).replace(' ', "%20"))})
+}
+
+/// Whether a study has this axis, by any of its names: a schema of the whole file.
+pub(crate) fn is_axis(variable: Variable) -> Value {
+    let of_axes = |inner: Value| json!({"required": ["axes"], "properties": {"axes": inner}});
+    let denotes = |name: &String| {
+        [false, true]
+            .into_iter()
+            .any(|surface| Variable::named(name, surface).is_ok_and(|found| found == variable))
+    };
+    let mut ways: Vec<Value> = Vec::new();
+    for name in names(variable).iter().filter(|name| denotes(name)) {
+        ways.push(json!({"required": [name]}));
+        if name.contains('.') {
+            let nested = name
+                .rsplit('.')
+                .fold(Value::Null, |inner, part| match inner {
+                    Value::Null => json!({"required": [part]}),
+                    inner => json!({"required": [part], "properties": {part: inner}}),
+                });
+            ways.push(nested);
+        }
+    }
+    of_axes(json!({"anyOf": ways}))
 }
 
 /// All names of a variable, deprecated ones included.
 fn names(variable: Variable) -> Vec<String> {
     let path = variable.path();
     let last = |path: &str| path.rsplit('.').next().unwrap_or(path).to_owned();
-    let mut names = vec![path.to_owned(), last(path)];
-    if let Variable::Key(key) = variable {
-        if let Some(former) = key.former() {
-            names.extend([former.to_owned(), last(former)]);
-        }
+    let mut names = vec![path.to_owned()];
+    if last(path) != path {
+        names.push(last(path));
+    }
+    if let Variable::Key(key) = variable
+        && let Some(former) = key.former()
+    {
+        names.extend([former.to_owned(), last(former)]);
     }
     for index in 0..names.len() {
         if let Some(rest) = names[index].strip_prefix(PATTERN_TABLE)
@@ -161,9 +242,10 @@ fn variable_schema(variable: Variable) -> Value {
 fn axis_schema(variable: Variable) -> Value {
     let item = variable_schema(variable);
     let list = json!({"type": "array", "items": item, "minItems": 1});
-    if variable.dimension().is_none() {
+    let Some(dimension) = variable.dimension() else {
         return list;
-    }
+    };
+    let positive = quantity_schema(dimension, (Excluded(0.0), Unbounded), None);
     let range = json!({
         "type": "object",
         "additionalProperties": false,
@@ -174,6 +256,8 @@ fn axis_schema(variable: Variable) -> Value {
             "points": whole_schema(2.0, MAXIMUM_CASES as f64),
             "spacing": words_schema(&PointSpacing::all()),
         },
+        "if": {"required": ["spacing"], "properties": {"spacing": {"const": PointSpacing::Log.word()}}},
+        "then": {"properties": {"from": positive}},
     });
     json!({"anyOf": [list, range]})
 }

@@ -45,6 +45,21 @@ fn init_prints_a_reference_of_all_keys() {
     }
 }
 
+/// Validators in Python compare it with examples and malformed files: `tests/python/test_schema.py`.
+#[test]
+fn init_prints_a_schema_for_editors() {
+    let bench = Bench::new();
+    let printed = bench.result(&["init", "--schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!(schema, fakir_case::schema());
+    let radius = &schema["definitions"]["lens.radius"];
+    assert_eq!(radius["exclusiveMinimum"], 0.0);
+    assert!(bench.files(".").is_empty());
+    for other in ["--keys", "--force", "case.toml"] {
+        assert_eq!(bench.run(&["init", "--schema", other]).status, Some(2));
+    }
+}
+
 #[test]
 fn bad_input_is_status_2_with_an_explanation_and_no_files() {
     let bench = Bench::new();
