@@ -19,10 +19,10 @@ const BOTH: [&str; 4] = [
 const FLAT: &str = "[lens]\nshape = \"paraboloid\"\nradius = \"2 mm\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
                     [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n";
 
-/// The intermediate substrate of the paper at a surface fraction of 0.03, whose critical force is 0.38 mN.
+/// The intermediate substrate of the paper at a surface fraction of 0.01, whose critical force is 92 uN.
 fn sparse(bench: &Bench) -> String {
     let text = std::fs::read_to_string(example("paper-intermediate.toml")).unwrap();
-    let changed = text.replace("surface_fraction = 0.1", "surface_fraction = 0.03");
+    let changed = text.replace("surface_fraction = 0.1", "surface_fraction = 0.01");
     assert_ne!(changed, text);
     bench.write("sparse.toml", &changed);
     "sparse.toml".to_owned()
@@ -187,7 +187,7 @@ fn methods_agree_within_their_errors() {
     let case = sparse(&bench);
     let of = |method: &str| {
         let name = format!("method.name={method}");
-        let arguments = ["press", &case, "--force", "100uN", "--set", &name];
+        let arguments = ["press", &case, "--force", "50uN", "--set", &name];
         let contact = bench.json(&[&arguments[..], &BOTH].concat());
         let friction = &contact["friction"];
         let force = number(friction, "lateral_force_N");
@@ -199,7 +199,7 @@ fn methods_agree_within_their_errors() {
     for method in ["punch", "homogenised", "love"] {
         let (other, of_other) = of(method);
         assert!(
-            (other - force).abs() < error + of_other,
+            (other - force).abs() <= error + of_other + 1e-12 * force,
             "{method}: {other:e} {force:e} {error:e} {of_other:e}"
         );
     }
@@ -345,7 +345,7 @@ fn a_fit_finds_both_stresses_and_states_what_is_not_determined() {
         &data(
             &bench,
             &case,
-            &[20.0, 60.0, 120.0, 250.0, 500.0, 800.0, 1000.0, 1500.0],
+            &[10.0, 30.0, 60.0, 90.0, 150.0, 200.0, 300.0, 400.0],
             1.0,
         ),
     );
