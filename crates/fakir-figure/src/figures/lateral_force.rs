@@ -89,7 +89,7 @@ pub fn lateral_force(points: &[LateralPoint], model: &[LateralModel]) -> Figure 
     let of_shares = shares.values(1).collect::<Vec<f64>>();
     let top = of_shares.iter().copied().fold(0.0, f64::max);
     let share_axis =
-        Axis::linear("share of the floor").over(0.0, if top > 0.0 { 1.1 * top } else { 1.0 });
+        Axis::linear("floor share").over(0.0, if top > 0.0 { 1.1 * top } else { 1.0 });
     Grid {
         name: "lateral-force",
         width: COLUMN,
