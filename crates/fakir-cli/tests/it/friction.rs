@@ -65,7 +65,7 @@ fn a_flat_surface_slides_with_the_stress_on_tops_times_the_area_of_hertz() {
         "shear_stress_tops=0.4MPa",
     ];
     let contact = bench.json(&arguments);
-    let area = PI * (0.75 * 1e-3 * 2e-3 / (4e6 / 3.0)).powf(2.0 / 3.0);
+    let area = PI * (0.75_f64 * 1e-3 * 2e-3 / (4e6 / 3.0)).powf(2.0 / 3.0);
     let friction = &contact["friction"];
     assert!((number(friction, "lateral_force_N") / (TOPS * area) - 1.0).abs() < 1e-9);
     assert!(friction["floor_contact_area_m2"].is_null());
