@@ -88,8 +88,7 @@ pub fn lateral_force(points: &[LateralPoint], model: &[LateralModel]) -> Figure 
     let shares = Series::unnamed(model.iter().map(share).collect(), fitted);
     let of_shares = shares.values(1).collect::<Vec<f64>>();
     let top = of_shares.iter().copied().fold(0.0, f64::max);
-    let share_axis =
-        Axis::linear("share of the floor").over(0.0, if top > 0.0 { 1.1 * top } else { 1.0 });
+    let share_axis = Axis::linear("floor share").over(0.0, if top > 0.0 { 1.1 * top } else { 1.0 });
     Grid {
         name: "lateral-force",
         width: COLUMN,

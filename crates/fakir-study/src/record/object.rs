@@ -39,6 +39,12 @@ impl Object {
             .filter(|(entry, _)| entry.in_objects)
             .map(|(entry, value)| (entry.path, entry, value))
             .collect();
+        // Parts of the case that are left out have no group.
+        let is_there =
+            |(_, entry, value): &(&str, &Entry, &Value)| !entry.if_given || **value != Value::None;
+        let groups = groups(&pairs, |(path, ..)| path).into_iter();
+        let groups = groups.filter(|(_, group)| group.iter().any(is_there));
+        let pairs: Vec<_> = groups.flat_map(|(_, group)| group).collect();
         Self::tree(&pairs)
     }
 
@@ -60,10 +66,7 @@ impl Object {
                 Node::Group(Self::tree(&inner))
             }
         };
-        let is_left_out =
-            |(_, entry, value): &(&str, &Entry, &Value)| entry.if_given && **value == Value::None;
         let groups = groups(pairs, |(path, ..)| path).into_iter();
-        let groups = groups.filter(|(_, group)| !group.iter().all(is_left_out));
         Self(groups.map(|(name, group)| (name, node(group))).collect())
     }
 
