@@ -28,3 +28,4 @@ mod separations;
 mod surface_estimates;
 mod surfaces;
 mod truth;
+mod viscoelastic;
