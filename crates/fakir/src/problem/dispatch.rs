@@ -19,6 +19,8 @@ listed! {
         Approach = "approach",
         /// Loading and unloading with adhesion.
         Cycle = "cycle",
+        /// The contact of viscoelastic bodies over time.
+        Hold = "hold",
         /// Exact derivatives of a contact.
         Gradient = "gradient",
         /// The contact in which the floor carries a given fraction of the load.
@@ -281,6 +283,13 @@ static RULES: &[Rule] = &[
         &[&[Feature::Lens(LensForm::Punch)]],
         "a flat punch is supported on a flat surface only",
         "use a plate, which covers all pillars, or leave the pillars out",
+    ),
+    rule(
+        &[Question::Hold],
+        &[Solver::Spectral, Solver::Flat],
+        &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
+        "with adhesion the edges of a viscoelastic contact dissipate, at a rate that depends on their speed and is not modelled",
+        "leave out the works of adhesion; both limits of a history are elastic and can be computed with adhesion: `press` in the relaxed limit, `press --instantaneous` in that of fast loads",
     ),
     // Pillars with flat tops.
     rule(

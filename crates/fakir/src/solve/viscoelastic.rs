@@ -1,21 +1,6 @@
 //! The contact of viscoelastic bodies for any history of force or indentation, from the elastic loading curve.
-//!
-//! All bodies have one relaxation function and constant Poisson's ratios, and there is neither friction nor adhesion. If the elastic
-//! pressure increases everywhere with the indentation, the elastic contacts are a nested family, and the increase of the pressure with the
-//! indentation at a *level* `xi` is that under a flat punch with the shape of the contact at `xi`. The viscoelastic pressure is then
-//!
-//! `p(x, t) = ∫_0^{xi(t)} (dp^/dxi)(x, xi) A(xi, t) dxi`,
-//!
-//! in which every level is an independent viscoelastic element with stress `A` and strain `B = J * dA`: `B = 1` for the levels in contact,
-//! `xi < xi(t)`, and `A = 0` for the others, which recover freely. The indentation is `zeta = xi(t) + ∫_{xi(t)} B dxi`, the force
-//! `F = ∫_0^{xi(t)} (dF^/dxi) A dxi`. While the contact grows, `zeta = xi` and the force is the hereditary integral of E. H. Lee and J. R. M.
-//! Radok (J. Appl. Mech. 27, 438 (1960)); when it recedes once, the solution is that of T. C. T. Ting (J. Appl. Mech. 33, 845 (1966)), which
-//! needs nothing but nested contacts. The strain of the elements outside is less than 1 and the stress inside positive for every history,
-//! so that gaps and pressures have the right sign. For axisymmetric contacts the elements are those of the method of dimensionality
-//! reduction (V. L. Popov, M. Hess, Method of Dimensionality Reduction in Contact Mechanics and Friction, Springer (2015)).
-//!
-//! Growing contact is computed by superposition, with no error but that of the quadrature. From the first receding on, the levels are
-//! followed in time steps of second order.
+#![doc = ""]
+#![doc = include_str!("../../doc/rendered/viscoelastic.md")]
 
 use super::elastic_curve::ElasticCurve;
 use crate::numerics::quadrature::gauss_legendre;
@@ -25,6 +10,9 @@ use crate::state::{Approximation, History, HistoryEvent, HistoryEventKind, Histo
 
 /// Nodes of the quadrature over a time step. The integrands are analytic in the steps, except for kinks of the elastic curve.
 const NODES: usize = 12;
+
+/// Ends of the intervals of the quadrature before the end of a step, in relaxation times: the memories decay over these.
+const DECAYS: [f64; 6] = [30.0, 14.0, 6.0, 2.5, 1.0, 0.3];
 
 /// Relative rounding of indentations.
 const ROUNDING: f64 = 1e-12;
@@ -324,11 +312,7 @@ impl<'a> Body<'a> {
                     of[place] *= decay;
                 }
             }
-            // Quadratic in the node, so that power laws at first touch are smooth.
-            for (node, weight) in &self.quadrature {
-                let u = 0.5 * (node + 1.0);
-                let time = times[0] + width * u * u;
-                let weight = weight * width * u;
+            for (time, weight) in self.nodes(times) {
                 let level = self.level_of(&part, time);
                 let forces = [
                     match &part.force {
@@ -367,6 +351,28 @@ impl<'a> Body<'a> {
         };
         growing.parts.push(part);
         None
+    }
+
+    /// Nodes and weights of the quadrature over a step.
+    fn nodes(&self, [start, end]: [f64; 2]) -> Vec<(f64, f64)> {
+        let mut ends: Vec<f64> = self
+            .terms
+            .iter()
+            .flat_map(|term| DECAYS.map(|decay| end - decay * term.time))
+            .filter(|time| *time > start && *time < end)
+            .chain([start, end])
+            .collect();
+        ends.sort_by(f64::total_cmp);
+        let mut nodes = Vec::with_capacity(self.quadrature.len() * ends.len());
+        for pair in ends.windows(2) {
+            let width = pair[1] - pair[0];
+            for (node, weight) in &self.quadrature {
+                // Quadratic in the node, so that power laws at first touch are smooth.
+                let u = 0.5 * (node + 1.0);
+                nodes.push((pair[0] + width * u * u, weight * width * u));
+            }
+        }
+        nodes
     }
 
     /// The level of the front in a step.
@@ -721,9 +727,9 @@ impl Solved {
     /// The largest differences of force and indentation from a solution with longer steps, as an estimate of the own errors: of second
     /// order, a third.
     fn differences(&self, coarse: &Self) -> [f64; 2] {
-        let mut largest = [0.0_f64; 2];
-        let mut off = [0.0_f64; 2];
-        let numbers = |state: &HistoryState| [state.force, state.indentation];
+        let mut largest = [0.0_f64; 3];
+        let mut off = [0.0_f64; 3];
+        let numbers = |state: &HistoryState| [state.force, state.indentation, state.floor_force];
         for state in &self.states {
             for (most, value) in largest.iter_mut().zip(numbers(state)) {
                 *most = most.max(value.abs());
@@ -746,13 +752,16 @@ impl Solved {
             }
             fine.next();
         }
-        [0, 1].map(|k| {
+        // The force on the floor is compared with the whole force.
+        largest[2] = largest[0];
+        let [force, indentation, floor] = [0, 1, 2].map(|k| {
             if largest[k] > 0.0 {
                 off[k] / largest[k] / 3.0
             } else {
                 0.0
             }
-        })
+        });
+        [force.max(floor), indentation]
     }
 }
 

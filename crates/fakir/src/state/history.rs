@@ -113,7 +113,7 @@ pub struct History {
     /// Time from which force and indentation stay within 1 % of that, s: in the protocol, or later if it is one step and hold. `None` if it
     /// is not known.
     pub time_to_equilibrium: Option<f64>,
-    /// Estimated error of the force, relative to the largest, without that of the elastic contacts.
+    /// Estimated error of the force and of that on the floor, relative to the largest force, without that of the elastic contacts.
     pub force_error: f64,
     /// Estimated error of the indentation, relative to the largest, without that of the elastic contacts.
     pub indentation_error: f64,
