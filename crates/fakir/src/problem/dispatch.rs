@@ -18,6 +18,8 @@ listed! {
         Approach = "approach",
         /// Loading and unloading with adhesion.
         Cycle = "cycle",
+        /// The contact of viscoelastic bodies over time.
+        Hold = "hold",
         /// Exact derivatives of a contact.
         Gradient = "gradient",
         /// The contact in which the floor carries a given fraction of the load.
@@ -298,6 +300,13 @@ static RULES: &[Rule] = &[
         &[FLOOR_INTERACTION],
         "a flat surface has no floor",
         "leave it out: the shear stress on the tops acts on the whole contact",
+    ),
+    rule(
+        &[Question::Hold],
+        &[Solver::Spectral, Solver::Flat],
+        &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
+        "with adhesion the edges of a viscoelastic contact dissipate, at a rate that depends on their speed and is not modelled",
+        "leave out the works of adhesion; both limits of a history are elastic and can be computed with adhesion: `press` in the relaxed limit, `press --instantaneous` in that of fast loads",
     ),
     // Pillars with flat tops.
     rule(

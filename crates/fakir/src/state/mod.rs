@@ -18,6 +18,7 @@ pub(crate) mod fields;
 pub(crate) mod flat;
 pub(crate) mod floor_contact;
 pub(crate) mod gradient;
+pub(crate) mod history;
 pub(crate) mod limit;
 mod resolution;
 pub(crate) mod run;
@@ -38,6 +39,9 @@ pub use fields::Fields;
 pub use flat::{FlatContact, FlatCycle, FlatErrors, FlatLoadStep};
 pub use floor_contact::{FloorContact, FloorErrors};
 pub use gradient::{Derivatives, Gradient};
+pub use history::{
+    Approximation, ElasticSample, History, HistoryEvent, HistoryEventKind, HistoryState,
+};
 pub use limit::Limit;
 pub use resolution::{LARGEST_ERROR, Remedy, Unresolved};
 pub use run::{Progress, Run, Stage};

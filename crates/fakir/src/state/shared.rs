@@ -4,6 +4,7 @@ use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, Termination, Warning};
 use super::cycle::Cycle;
 use super::flat::{FlatContact, FlatCycle};
+use super::history::ElasticSample;
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
 use crate::problem::ContactAreas;
@@ -49,6 +50,27 @@ pub trait Contact: Solution {
     fn warnings(&self) -> &[Warning];
     /// Areas in contact, on which interactions act.
     fn areas(&self) -> ContactAreas;
+    /// Force on the floor, N; 0 before the transition and without a floor.
+    fn floor_force(&self) -> f64 {
+        0.0
+    }
+    /// Number of pillars in contact, if there are pillars.
+    fn pillars_in_contact(&self) -> Option<usize> {
+        None
+    }
+    /// Estimated relative error of the force.
+    fn force_error(&self) -> f64;
+    /// A point of the elastic loading curve.
+    fn sample(&self) -> ElasticSample {
+        ElasticSample {
+            indentation: self.indentation(),
+            force: self.force(),
+            floor_force: self.floor_force(),
+            contact_radius: self.contact_radius().unwrap_or(f64::NAN),
+            pillars_in_contact: self.pillars_in_contact(),
+            error: self.force_error(),
+        }
+    }
 }
 
 impl Solution for ContactState {
@@ -131,6 +153,18 @@ impl Contact for ContactState {
     fn areas(&self) -> ContactAreas {
         ContactState::areas(self)
     }
+
+    fn floor_force(&self) -> f64 {
+        self.floor.as_ref().map_or(0.0, |floor| floor.force)
+    }
+
+    fn pillars_in_contact(&self) -> Option<usize> {
+        Some(self.pillars_in_contact)
+    }
+
+    fn force_error(&self) -> f64 {
+        self.error.force
+    }
 }
 
 impl Contact for SurfaceContact {
@@ -152,6 +186,14 @@ impl Contact for SurfaceContact {
 
     fn areas(&self) -> ContactAreas {
         SurfaceContact::areas(self)
+    }
+
+    fn floor_force(&self) -> f64 {
+        self.shares.map_or(0.0, |shares| shares.floor.force)
+    }
+
+    fn force_error(&self) -> f64 {
+        self.error.map_or(f64::NAN, |error| error.force)
     }
 }
 
@@ -175,6 +217,14 @@ impl Contact for AsperityContact {
     fn areas(&self) -> ContactAreas {
         AsperityContact::areas(self)
     }
+
+    fn pillars_in_contact(&self) -> Option<usize> {
+        Some(self.touched())
+    }
+
+    fn force_error(&self) -> f64 {
+        self.error.as_ref().map_or(f64::NAN, |error| error.force)
+    }
 }
 
 impl Contact for FlatContact {
@@ -196,5 +246,9 @@ impl Contact for FlatContact {
 
     fn areas(&self) -> ContactAreas {
         FlatContact::areas(self)
+    }
+
+    fn force_error(&self) -> f64 {
+        self.error.force
     }
 }

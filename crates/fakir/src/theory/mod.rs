@@ -7,6 +7,7 @@
 //! * [`lattice_sums`]: the sums over the pillars under a Hertz-like load on which these formulas are based, with the fits of the paper and
 //!   the exact limits of the fitted coefficients;
 //! * [`lattice_potential`]: the effect of a uniformly loaded lattice of pillars on one pillar and on the floor between three;
+//! * [`prony`]: the relaxation function of a table of measured moduli;
 //! * [`layer`]: axisymmetric contacts with layers of finite thickness, and the effect of a thick layer on any contact.
 //!
 //! "The paper" is the publication named in [`crate::problem`]. All quantities are in SI units.
@@ -17,6 +18,7 @@ pub mod lattice_potential;
 pub mod lattice_sums;
 pub mod layer;
 mod limits;
+pub mod prony;
 #[cfg(test)]
 pub(crate) mod reference;
 pub mod stuck_floor;

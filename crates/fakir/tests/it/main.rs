@@ -30,3 +30,4 @@ mod surface_estimates;
 mod surfaces;
 mod truth;
 mod unlike_tops;
+mod viscoelastic;
