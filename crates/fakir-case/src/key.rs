@@ -484,6 +484,7 @@ mod tests {
                 "pattern",
                 "floor",
                 "adhesion",
+                "friction",
                 "surface",
                 "method"
             ]
