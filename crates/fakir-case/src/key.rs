@@ -489,6 +489,7 @@ mod tests {
                 "pattern",
                 "floor",
                 "adhesion",
+                "friction",
                 "surface",
                 "method"
             ]
