@@ -46,6 +46,7 @@ from ._fits import Fits, JointFit, fit_many
 from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
 from ._floor import FloorContact
 from ._gradient import Gradient
+from ._history import History, Relaxation
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
@@ -107,6 +108,7 @@ __all__ = [
     "FloorErrors",
     "Gradient",
     "HeightDesign",
+    "History",
     "HexagonalPattern",
     "HomogenisedLattice",
     "JointFit",
@@ -123,6 +125,7 @@ __all__ = [
     "PlateLens",
     "ProfileLens",
     "PullOff",
+    "Relaxation",
     "Result",
     "RectangularPattern",
     "SolveError",

@@ -17,6 +17,7 @@ import numpy as np
 from . import _fakir
 from ._bodies import Lens, LayerNumbers, Substrate, layer_numbers, layer_options
 from ._format import Row, engineering, remark
+from ._history import Viscoelastic
 from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
@@ -83,7 +84,7 @@ def bodies_of(
     return indenter, Substrate(*system.substrate, **film)
 
 
-class Surface:
+class Surface(Viscoelastic):
     """An indenter above a height map.
 
     Parameters
@@ -192,6 +193,9 @@ class Surface:
                 "one, as surface.height_map"
             )
         return text
+
+    def _problem(self) -> _fakir.Surface:
+        return self._surface
 
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface, self.periodic = surface, surface.periodic

@@ -14,6 +14,7 @@ mod design;
 mod error;
 mod fit;
 mod flat;
+mod history;
 mod load;
 mod settings;
 mod state;
@@ -40,6 +41,8 @@ mod _fakir {
     use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly};
     #[pymodule_export]
     use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
+    #[pymodule_export]
+    use super::history::history;
     #[pymodule_export]
     use super::state::{
         Critical, Cycle, State, approach, check_points, compare, cycle, gradient, press,

@@ -355,6 +355,16 @@ pub(crate) fn verify_surface(
 }
 
 impl Surface {
+    /// The system.
+    pub(crate) fn system(&self) -> &SurfaceSystem {
+        &self.system
+    }
+
+    /// The case file it was read from, if any.
+    pub(crate) fn file(&self) -> Option<&CaseFile> {
+        self.file.as_ref()
+    }
+
     pub(crate) fn of(
         mut file: CaseFile,
         overrides: &[String],

@@ -36,6 +36,8 @@ pub enum Topic {
     Flat,
     /// Rounded pillar tops.
     Asperities,
+    /// Viscoelastic bodies over time.
+    Viscoelastic,
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -237,6 +239,7 @@ fn escaped(text: &str) -> String {
             'ö' => escaped.push_str("{\\\"o}"),
             'ä' => escaped.push_str("{\\\"a}"),
             'ú' => escaped.push_str("{\\'u}"),
+            'ß' => escaped.push_str("{\\ss}"),
             '&' => escaped.push_str("\\&"),
             other => escaped.push(other),
         }
@@ -302,6 +305,7 @@ impl Topic {
             Self::Layers => vec!["layers"],
             Self::Flat => vec!["flat"],
             Self::Asperities => vec!["rounded_tops"],
+            Self::Viscoelastic => vec!["viscoelastic"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };

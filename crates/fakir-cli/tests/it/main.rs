@@ -9,6 +9,7 @@ mod design;
 mod fits;
 mod flat;
 mod heights;
+mod hold;
 mod installed;
 mod pattern_only;
 mod recorded;

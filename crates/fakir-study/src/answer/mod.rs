@@ -20,6 +20,7 @@ mod contact;
 mod cycle;
 mod flat;
 mod height_map;
+mod history;
 mod kind;
 mod loading;
 mod pillars;
@@ -171,6 +172,7 @@ fn solve<K: Kind>(
         Request::Contact(load) => contact::contact(case, *load, details, &running.run),
         Request::Loading(path) => loading::loading(case, path, running),
         Request::Cycle(plan) => case.cycle(*plan, running),
+        Request::History(plan) => history::history_of(case, plan, running),
     }
 }
 
@@ -210,10 +212,11 @@ impl<K: Kind> Answered for Solved<'_, K> {
             details: &self.details,
             wall_time: self.wall_time,
         };
+        let topics = [case.topics(self.details.range), found.topics()].concat();
         let provenance = Provenance::new(
             found.question(),
             case.method(),
-            &case.topics(self.details.range),
+            &topics,
             case.text(),
         );
         let mut warnings = found.warnings(&of, running)?;
