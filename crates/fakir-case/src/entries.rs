@@ -198,9 +198,12 @@ pub(crate) fn plain_value(value: &DeValue<'_>) -> Value {
         DeValue::Integer(number) => Value::Number(integer(number)),
         DeValue::Float(number) => Value::Number(float(number)),
         DeValue::Boolean(flag) => Value::Flag(*flag),
-        DeValue::Array(items) => {
-            Value::List(items.iter().map(|item| plain_value(item.get_ref())).collect())
-        }
+        DeValue::Array(items) => Value::List(
+            items
+                .iter()
+                .map(|item| plain_value(item.get_ref()))
+                .collect(),
+        ),
         other => Value::Other(other.type_str()),
     }
 }
@@ -322,7 +325,9 @@ pub(crate) fn accepted(key: Key) -> String {
         Kind::Word => one_of(&key.words()),
         Kind::Text => NAME_IN_QUOTES.to_owned(),
         Kind::List(Dimension::Number) => "give a list of numbers, as [1.0, 0.5]".to_owned(),
-        Kind::List(_) => "give a list of quantities with their units, as [\"10 s\", \"2 min\"]".to_owned(),
+        Kind::List(_) => {
+            "give a list of quantities with their units, as [\"10 s\", \"2 min\"]".to_owned()
+        }
     }
 }
 

@@ -559,7 +559,12 @@ impl CaseFile {
     }
 
     /// Sets a value, if the key accepts it.
-    pub(crate) fn read_value(&self, key: Key, entry: &Entry, parts: &mut Parts) -> Result<(), CaseError> {
+    pub(crate) fn read_value(
+        &self,
+        key: Key,
+        entry: &Entry,
+        parts: &mut Parts,
+    ) -> Result<(), CaseError> {
         let row = key.row();
         if let (Key::CellSize, Value::List(_)) = (key, &entry.value) {
             return Err(self

@@ -251,13 +251,17 @@ fn read(path: &Path, accepted: &[&Column]) -> Result<Table, TableError> {
         headings.iter().enumerate().find_map(|(place, heading)| {
             let lower = heading.to_lowercase();
             lower.starts_with(column.name).then_some(())?;
-            let unit = heading[column.name.len()..]
-                .trim_matches(|c: char| "_ ()[]".contains(c));
+            let unit = heading[column.name.len()..].trim_matches(|c: char| "_ ()[]".contains(c));
             let unit = parse_quantity(&format!("1 {unit}"), column.dimension).ok()?;
             Some((place, unit))
         })
     };
-    let missing = || wrong(heading_line, format!("the columns are {headings:?}: give {wanted}"));
+    let missing = || {
+        wrong(
+            heading_line,
+            format!("the columns are {headings:?}: give {wanted}"),
+        )
+    };
     let time = place(&TIME).ok_or_else(missing)?;
     let found = accepted
         .iter()
@@ -271,8 +275,12 @@ fn read(path: &Path, accepted: &[&Column]) -> Result<Table, TableError> {
             let cell = row.get(place).map_or("", String::as_str);
             let read: Option<f64> = cell.parse().ok();
             let read = read.filter(|number| number.is_finite());
-            read.map(|number| number * unit)
-                .ok_or_else(|| wrong(line, format!("{name} is \"{cell}\", and has to be a number")))
+            read.map(|number| number * unit).ok_or_else(|| {
+                wrong(
+                    line,
+                    format!("{name} is \"{cell}\", and has to be a number"),
+                )
+            })
         };
         rows.push([number(time, TIME.name)?, number(value, names[column])?]);
         numbers.push(line as u64 + 1);
@@ -345,8 +353,16 @@ mod tests {
             Key::RelaxationTimes,
             "um is a unit of length",
         );
-        wrong("strengths = true\ntimes = [\"1 s\"]", Key::RelaxationStrengths, "found");
-        wrong("table = \"nowhere.csv\"", Key::RelaxationTable, "cannot read");
+        wrong(
+            "strengths = true\ntimes = [\"1 s\"]",
+            Key::RelaxationStrengths,
+            "found",
+        );
+        wrong(
+            "table = \"nowhere.csv\"",
+            Key::RelaxationTable,
+            "cannot read",
+        );
     }
 
     #[test]
@@ -364,7 +380,10 @@ mod tests {
             ("", "empty"),
             ("time_s,height_m\n0,0\n", "line 1: the columns are"),
             ("time_s,force_N\n0,high\n", "line 2: force is \"high\""),
-            ("time_s,force_N\n1,0\n0,0\n", "line 3: the time must not be smaller"),
+            (
+                "time_s,force_N\n1,0\n0,0\n",
+                "line 3: the time must not be smaller",
+            ),
             ("time_s,force_N\n0,-1\n", "invalid force -1"),
             ("time_s,force_N\n", "has no rows"),
         ] {

@@ -5,8 +5,8 @@ use crate::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, CriticalStateCurve, CriticalStatePoint,
     DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad,
     FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, HistoryPoint, LineChart,
-    LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint, Series, Style, SurfaceState, Text,
-    View,
+    LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint, Series, Style,
+    SurfaceState, Text, View,
 };
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
@@ -267,10 +267,7 @@ fn of_numbers() -> Drawn {
             "approach",
             crate::approach(&loading, Some(loading[7])).unwrap(),
         ),
-        (
-            "history",
-            crate::history(&over_time, Some(100.0)).unwrap(),
-        ),
+        ("history", crate::history(&over_time, Some(100.0)).unwrap()),
         ("critical_curves", crate::critical_curves(&[column])),
         (
             "critical_states",

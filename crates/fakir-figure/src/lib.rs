@@ -54,7 +54,6 @@ pub use colour::Tint;
 pub use error::FigureError;
 pub use figure::{Figure, RESOLUTION};
 pub use figures::approach::{LoadingPoint, approach};
-pub use figures::history::{HistoryPoint, history};
 pub use figures::asperity_map::asperity_map;
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,
@@ -70,6 +69,7 @@ pub use figures::flat::{flat_cycle, flat_pressure};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;
 pub use figures::histogram::{Histogram, histogram};
+pub use figures::history::{HistoryPoint, history};
 pub use figures::lattice_sums::lattice_sums;
 pub use figures::lines::{LineChart, lines};
 pub use figures::phase_diagram::{PhaseDiagram, phase_diagram, phase_point};

@@ -38,21 +38,27 @@ pub(crate) fn history(
     relaxation: Option<(Vec<f64>, Vec<f64>)>,
     options: Options,
 ) -> PyResult<Answer> {
-    let segments = segments.into_iter().map(|(force, to, duration)| ProtocolSegment {
-        prescribed: if force {
-            Prescribed::Force
-        } else {
-            Prescribed::Indentation
-        },
-        to,
-        duration,
-    });
+    let segments = segments
+        .into_iter()
+        .map(|(force, to, duration)| ProtocolSegment {
+            prescribed: if force {
+                Prescribed::Force
+            } else {
+                Prescribed::Indentation
+            },
+            to,
+            duration,
+        });
     let protocol = Protocol::new(segments.collect()).map_err(value_error)?;
     let of_file = |file: &CaseFile| -> PyResult<Relaxation> {
         let of = file.viscoelastic().map_err(|error| case_error(&error))?;
         Ok(of.relaxation)
     };
-    let missing = || value_error("the bodies are elastic: give a relaxation, as fakir.Relaxation([1.0], [\"10 s\"])");
+    let missing = || {
+        value_error(
+            "the bodies are elastic: give a relaxation, as fakir.Relaxation([1.0], [\"10 s\"])",
+        )
+    };
     let relaxation = match (&relaxation, &problem) {
         (Some((strengths, times)), _) => Relaxation::new(strengths, times).map_err(value_error)?,
         (None, Problem::Pillars(case)) => case.case.relaxation.clone().ok_or_else(missing)?,

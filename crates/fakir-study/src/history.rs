@@ -99,7 +99,11 @@ impl HistoryCourse {
                     Prescribed::Force => Dimension::Force,
                     Prescribed::Indentation => Dimension::Length,
                 };
-                let loading = if *back { "loading and unloading" } else { "loading" };
+                let loading = if *back {
+                    "loading and unloading"
+                } else {
+                    "loading"
+                };
                 format!(
                     "{loading} at {}/s up to {}",
                     format_quantity(*rate, dimension),
@@ -113,7 +117,9 @@ impl HistoryCourse {
     fn largest(&self) -> Vec<Load> {
         match self {
             Self::Protocol(protocol) => [
-                protocol.largest(Prescribed::Indentation).map(Load::Indentation),
+                protocol
+                    .largest(Prescribed::Indentation)
+                    .map(Load::Indentation),
                 protocol.largest(Prescribed::Force).map(Load::Force),
             ]
             .into_iter()

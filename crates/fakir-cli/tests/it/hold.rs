@@ -33,7 +33,12 @@ fn time_to_floor_contact() {
         let force = critical["critical_force_N"].as_f64().unwrap();
         let held = |times: f64| {
             let force = format!("{}", times * force);
-            json(&bench, &["hold", &case, "--set", &set, "--force", &force, "--for", "1min"])
+            json(
+                &bench,
+                &[
+                    "hold", &case, "--set", &set, "--force", &force, "--for", "1min",
+                ],
+            )
         };
         let found = held(1.2);
         let expected = 60.0 * 3f64.ln();
@@ -51,8 +56,19 @@ fn a_protocol_is_saved_and_drawn() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");
     let arguments = [
-        "hold", &case, "--set", "pattern.surface_fraction=0.03", "--indentation", "5um", "--ramp",
-        "10s", "--for", "1min", "--back", "--output", "out",
+        "hold",
+        &case,
+        "--set",
+        "pattern.surface_fraction=0.03",
+        "--indentation",
+        "5um",
+        "--ramp",
+        "10s",
+        "--for",
+        "1min",
+        "--back",
+        "--output",
+        "out",
     ];
     let found = json(&bench, &arguments);
     let events: Vec<&str> = found["events"]
@@ -63,7 +79,13 @@ fn a_protocol_is_saved_and_drawn() {
         .collect();
     assert_eq!(
         events,
-        ["first contact", "floor contact", "largest contact", "floor lost", "detachment"]
+        [
+            "first contact",
+            "floor contact",
+            "largest contact",
+            "floor lost",
+            "detachment"
+        ]
     );
     let times: Vec<f64> = found["events"]
         .as_array()
@@ -87,7 +109,15 @@ fn a_protocol_is_saved_and_drawn() {
         assert!(files.iter().any(|file| file == name), "{name} in {files:?}");
     }
     let again = bench.json(&[
-        "hold", "out/case.toml", "--indentation", "5um", "--ramp", "10s", "--for", "1min", "--back",
+        "hold",
+        "out/case.toml",
+        "--indentation",
+        "5um",
+        "--ramp",
+        "10s",
+        "--for",
+        "1min",
+        "--back",
     ]);
     assert_eq!(again["events"], found["events"]);
 }
@@ -126,7 +156,11 @@ fn invalid_histories_are_refused_with_the_reason() {
     let refused = |arguments: &[&str], words: &str| {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
-        let text = outcome.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+        let text = outcome
+            .stderr
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
         assert!(text.contains(words), "{text}");
     };
     let hold = ["hold", &case, "--force", "0.4mN", "--for", "1min"];
@@ -134,8 +168,15 @@ fn invalid_histories_are_refused_with_the_reason() {
     let viscoelastic = with(&hold);
     let viscoelastic: Vec<&str> = viscoelastic.iter().map(String::as_str).collect();
     let adhesive = [&viscoelastic[..], &["--set", "adhesion.work=50mJ/m2"]].concat();
-    refused(&adhesive, "with adhesion the edges of a viscoelastic contact dissipate");
-    let strengths = [&viscoelastic[..], &["--set", "relaxation.strengths=[1.0, 2.0]"]].concat();
+    refused(
+        &adhesive,
+        "with adhesion the edges of a viscoelastic contact dissipate",
+    );
+    let strengths = [
+        &viscoelastic[..],
+        &["--set", "relaxation.strengths=[1.0, 2.0]"],
+    ]
+    .concat();
     refused(&strengths, "2 strengths and 1 times");
     let rate = with(&["approach", &case, "--rate", "1um", "--to", "3um"]);
     let rate: Vec<&str> = rate.iter().map(String::as_str).collect();

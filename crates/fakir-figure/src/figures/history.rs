@@ -31,17 +31,15 @@ const TIMES: [(&str, f64); 4] = [("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 
 ///
 /// # Errors
 /// [`FigureError::TooFewData`] for fewer than two states.
-pub fn history(
-    points: &[HistoryPoint],
-    floor_contact: Option<f64>,
-) -> Result<Figure, FigureError> {
+pub fn history(points: &[HistoryPoint], floor_contact: Option<f64>) -> Result<Figure, FigureError> {
     if points.len() < 2 {
         return Err(FigureError::TooFewData {
             fewest: 2,
             given: points.len(),
         });
     }
-    let largest = |value: &dyn Fn(&HistoryPoint) -> f64| points.iter().map(value).fold(0.0, f64::max);
+    let largest =
+        |value: &dyn Fn(&HistoryPoint) -> f64| points.iter().map(value).fold(0.0, f64::max);
     let duration = largest(&|point| point.time);
     let fitting = TIMES.iter().rev().find(|(_, size)| duration >= 3.0 * size);
     let (name, second) = *fitting.unwrap_or(&TIMES[1]);

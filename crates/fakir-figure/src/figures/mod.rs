@@ -1,7 +1,6 @@
 //! The figures.
 
 pub(crate) mod approach;
-pub(crate) mod history;
 pub(crate) mod asperity_map;
 pub(crate) mod critical_curves;
 pub(crate) mod critical_states;
@@ -13,6 +12,7 @@ pub(crate) mod flat;
 pub(crate) mod floor_gap_map;
 pub(crate) mod floor_pressure_map;
 pub(crate) mod histogram;
+pub(crate) mod history;
 pub(crate) mod lattice_sums;
 pub(crate) mod lines;
 mod over_axis;

@@ -70,7 +70,10 @@ impl<K: Kind> Found<K> for Told<K> {
             self.course.words(),
             of.case.lines().join("\n"),
             self.quantities(),
-            table(&self.found.history.events, &event_columns(&self.found.history.events)),
+            table(
+                &self.found.history.events,
+                &event_columns(&self.found.history.events)
+            ),
             table(&rows, &columns(&rows))
         )
     }
@@ -170,7 +173,12 @@ impl<K: Kind> Told<K> {
                 );
             }
             None => {
-                list.row("within 1 % of it", "-".to_owned(), "", "not in this protocol");
+                list.row(
+                    "within 1 % of it",
+                    "-".to_owned(),
+                    "",
+                    "not in this protocol",
+                );
             }
         }
         let ratio = self.found.modulus_ratio;
@@ -185,7 +193,12 @@ impl<K: Kind> Told<K> {
                 );
                 match time {
                     Some(0.0) => {
-                        list.row("time to floor contact", "0".to_owned(), "s", &format!("at once: {words}"));
+                        list.row(
+                            "time to floor contact",
+                            "0".to_owned(),
+                            "s",
+                            &format!("at once: {words}"),
+                        );
                     }
                     Some(time) => {
                         let later = if time > end.time {
@@ -202,12 +215,7 @@ impl<K: Kind> Told<K> {
                         );
                     }
                     None => {
-                        list.row(
-                            "time to floor contact",
-                            "never".to_owned(),
-                            "",
-                            &words,
-                        );
+                        list.row("time to floor contact", "never".to_owned(), "", &words);
                     }
                 }
             }
@@ -245,7 +253,12 @@ fn columns(rows: &[Record]) -> Vec<Column<Record>> {
     let some = |name: &str| rows.iter().any(|row| row.number(name).is_some());
     let mut columns = vec![
         Column::quantity("time", Dimension::Time, rows, |row| row.number("time_s")),
-        Column::force("force", rows, |row| row.number("force_N"), |_| LENGTH_DIGITS),
+        Column::force(
+            "force",
+            rows,
+            |row| row.number("force_N"),
+            |_| LENGTH_DIGITS,
+        ),
         Column::length("indentation", rows, |row| row.number("indentation_m")),
     ];
     if some("contact_radius_m") {
@@ -253,7 +266,10 @@ fn columns(rows: &[Record]) -> Vec<Column<Record>> {
             row.number("contact_radius_m")
         }));
     }
-    if rows.iter().any(|row| row.count("pillars_in_contact").is_some()) {
+    if rows
+        .iter()
+        .any(|row| row.count("pillars_in_contact").is_some())
+    {
         columns.push(Column::right("pillars", |row: &Record| {
             row.count("pillars_in_contact")
                 .map_or(String::new(), |count| count.to_string())
@@ -274,7 +290,12 @@ fn event_columns(events: &[HistoryEvent]) -> Vec<Column<HistoryEvent>> {
     vec![
         Column::text("event", |event: &HistoryEvent| event.kind.name().to_owned()),
         Column::quantity("time", Dimension::Time, events, |event| Some(event.time)),
-        Column::force("force", events, |event| Some(event.force), |_| LENGTH_DIGITS),
+        Column::force(
+            "force",
+            events,
+            |event| Some(event.force),
+            |_| LENGTH_DIGITS,
+        ),
         Column::length("indentation", events, |event| Some(event.indentation)),
     ]
 }

@@ -213,12 +213,7 @@ impl<K: Kind> Answered for Solved<'_, K> {
             wall_time: self.wall_time,
         };
         let topics = [case.topics(self.details.range), found.topics()].concat();
-        let provenance = Provenance::new(
-            found.question(),
-            case.method(),
-            &topics,
-            case.text(),
-        );
+        let provenance = Provenance::new(found.question(), case.method(), &topics, case.text());
         let mut warnings = found.warnings(&of, running)?;
         let saved = match self.details.maps {
             Maps::None => Saved::default(),

@@ -211,53 +211,51 @@ impl<'a> Recorded for HistoryAnswer<'a> {
                 |it: &Answer<'a>| it.largest_force,
             ),
         ];
-        let of_end = [
-            Named::number("end.time_s", "time at the end", |it: &HistoryRow<'a>| {
-                it.state.time
+        rows.extend([
+            Named::number("end.time_s", "time at the end", |it: &Answer<'a>| {
+                it.end.state.time
             }),
             Named::number(
                 "end.indentation_m",
                 "indentation at the end",
-                |it: &HistoryRow<'a>| it.state.indentation,
+                |it: &Answer<'a>| it.end.state.indentation,
             ),
-            Named::number("end.force_N", "force at the end", |it: &HistoryRow<'a>| {
-                it.state.force
+            Named::number("end.force_N", "force at the end", |it: &Answer<'a>| {
+                it.end.state.force
             }),
             Named::number_if_any(
                 "end.contact_radius_m",
                 "contact radius at the end; `null` under a plate",
-                |it: &HistoryRow<'a>| it.contact_radius(),
+                |it: &Answer<'a>| it.end.contact_radius(),
             ),
             Named::number_if_any(
                 "end.floor_share",
                 "floor force over total force at the end; `null` without a floor",
-                |it: &HistoryRow<'a>| it.floor_share(),
+                |it: &Answer<'a>| it.end.floor_share(),
             ),
-        ];
-        rows.extend(of_end.map(|row| row.of_part(|it: &Answer<'a>| &it.end)));
-        let of_equilibrium = [
+        ]);
+        rows.extend([
             Named::number(
                 "equilibrium.indentation_m",
                 "indentation in equilibrium, if the last load is held",
-                |it: &HistoryRow<'a>| it.state.indentation,
+                |it: &Answer<'a>| it.equilibrium.state.indentation,
             ),
             Named::number(
                 "equilibrium.force_N",
                 "force in equilibrium",
-                |it: &HistoryRow<'a>| it.state.force,
+                |it: &Answer<'a>| it.equilibrium.state.force,
             ),
             Named::number_if_any(
                 "equilibrium.contact_radius_m",
                 "contact radius in equilibrium; `null` under a plate",
-                |it: &HistoryRow<'a>| it.contact_radius(),
+                |it: &Answer<'a>| it.equilibrium.contact_radius(),
             ),
             Named::number_if_any(
                 "equilibrium.floor_share",
                 "floor force over total force in equilibrium; `null` without a floor",
-                |it: &HistoryRow<'a>| it.floor_share(),
+                |it: &Answer<'a>| it.equilibrium.floor_share(),
             ),
-        ];
-        rows.extend(of_equilibrium.map(|row| row.of_part(|it: &Answer<'a>| &it.equilibrium)));
+        ]);
         rows.extend([
             Named::number(
                 "relative_error_estimate.force",

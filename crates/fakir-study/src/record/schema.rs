@@ -128,8 +128,8 @@ fn of_kind(kind: Kind) -> Value {
         ("floor", json!({"type": "object"})),
         ("case_warnings", words.clone()),
     ];
-    let limits =
-        (kind != Kind::AsperityPress && kind != Kind::History).then(|| ("limits", json!({"type": "array", "items": limit})));
+    let limits = (kind != Kind::AsperityPress && kind != Kind::History)
+        .then(|| ("limits", json!({"type": "array", "items": limit})));
     let rows = json!({"type": "array", "items": {"type": "object"}});
     let of_cycle = [
         ("stations", rows.clone()),
@@ -148,7 +148,11 @@ fn of_kind(kind: Kind) -> Value {
         // Method, indenter and surface, which depend on the kind of surface.
         object["additionalProperties"] = json!(true);
     }
-    let required = limits.into_iter().chain(of_cycle).chain(with_states).chain(always);
+    let required = limits
+        .into_iter()
+        .chain(of_cycle)
+        .chain(with_states)
+        .chain(always);
     for (name, value) in required {
         if let Some(names) = object["required"].as_array_mut() {
             names.push(name.into());

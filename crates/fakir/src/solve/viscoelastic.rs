@@ -295,7 +295,11 @@ impl<'a> Body<'a> {
                         _ => Some(times[0]),
                     };
                 }
-                let begin = if is_step { growing.indentation } else { self.curve.indentation_at(begin) };
+                let begin = if is_step {
+                    growing.indentation
+                } else {
+                    self.curve.indentation_at(begin)
+                };
                 Part {
                     times,
                     levels: [begin, self.curve.indentation_at(end)],
@@ -344,10 +348,9 @@ impl<'a> Body<'a> {
         growing.time = times[1];
         growing.force = match prescribed {
             Prescribed::Force => values[1],
-            Prescribed::Indentation => self.stress(
-                self.curve.force_at(growing.indentation),
-                &growing.memory[0],
-            ),
+            Prescribed::Indentation => {
+                self.stress(self.curve.force_at(growing.indentation), &growing.memory[0])
+            }
         };
         growing.parts.push(part);
         None
@@ -434,13 +437,7 @@ impl<'a> Body<'a> {
     }
 
     /// `J * dF`: the elastic force of the contact under a force that changes linearly.
-    fn strain_of_force(
-        &self,
-        times: [f64; 2],
-        values: [f64; 2],
-        before: &[f64],
-        time: f64,
-    ) -> f64 {
+    fn strain_of_force(&self, times: [f64; 2], values: [f64; 2], before: &[f64], time: f64) -> f64 {
         let width = times[1] - times[0];
         let force = if width > 0.0 {
             values[0] + (values[1] - values[0]) * (time - times[0]) / width
@@ -631,8 +628,7 @@ impl<'a> Body<'a> {
         }
         let is_near = |state: &HistoryState| {
             let near = |value: f64, end: f64| (value - end).abs() <= SETTLED * end.abs();
-            near(state.force, equilibrium.force)
-                && near(state.indentation, equilibrium.indentation)
+            near(state.force, equilibrium.force) && near(state.indentation, equilibrium.indentation)
         };
         let states = solved.states.iter().rev();
         let near = states.take_while(|state| is_near(state)).last()?;
@@ -741,7 +737,10 @@ impl Solved {
             let same = |it: &&HistoryState| {
                 it.by == state.by && (it.time - state.time).abs() <= 1e-9 * state.time
             };
-            while fine.peek().is_some_and(|it| !same(it) && it.time <= state.time) {
+            while fine
+                .peek()
+                .is_some_and(|it| !same(it) && it.time <= state.time)
+            {
                 fine.next();
             }
             let Some(same) = fine.peek().filter(|it| same(it)) else {
@@ -835,7 +834,9 @@ impl Bed {
         let off = |front: f64| {
             let evolved = moved.with_front(front);
             match prescribed {
-                Prescribed::Force => evolved.force(body, &|level| body.curve.force_at(level)) - value,
+                Prescribed::Force => {
+                    evolved.force(body, &|level| body.curve.force_at(level)) - value
+                }
                 Prescribed::Indentation => evolved.indentation(body) - value,
             }
         };

@@ -100,9 +100,10 @@ pub fn fit_relaxation(times: &[f64], moduli: &[f64]) -> Result<FittedRelaxation,
         InvalidRelaxation::Empty => InvalidModuli::NoRelaxation,
         _ => InvalidModuli::NoRelaxation,
     })?;
-    let off = times.iter().zip(moduli).map(|(time, modulus)| {
-        (relaxed_modulus * relaxation.at(*time) / modulus - 1.0).abs()
-    });
+    let off = times
+        .iter()
+        .zip(moduli)
+        .map(|(time, modulus)| (relaxed_modulus * relaxation.at(*time) / modulus - 1.0).abs());
     let (mut squares, mut largest_error) = (0.0, 0.0_f64);
     for off in off {
         squares += off * off;
@@ -186,10 +187,15 @@ mod tests {
     #[test]
     fn a_series_is_found_again() {
         let exact = Relaxation::new(&[1.0, 0.5], &[10.0, 120.0]).unwrap();
-        let times: Vec<f64> = (0..60).map(|k| 10f64.powf(-0.5 + 4.0 * f64::from(k) / 59.0)).collect();
+        let times: Vec<f64> = (0..60)
+            .map(|k| 10f64.powf(-0.5 + 4.0 * f64::from(k) / 59.0))
+            .collect();
         let moduli: Vec<f64> = times.iter().map(|time| 2e6 * exact.at(*time)).collect();
         let found = fit_relaxation(&times, &moduli).unwrap();
-        assert!((found.relaxed_modulus / 2e6 - 1.0).abs() < 1e-3, "{found:?}");
+        assert!(
+            (found.relaxed_modulus / 2e6 - 1.0).abs() < 1e-3,
+            "{found:?}"
+        );
         assert!(found.largest_error < 5e-3, "{found:?}");
         let instantaneous = found.relaxed_modulus * found.relaxation.instantaneous();
         assert!((instantaneous / 5e6 - 1.0).abs() < 0.02, "{found:?}");
