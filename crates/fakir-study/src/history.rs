@@ -230,6 +230,11 @@ impl<P: Loadable> Followed<P> {
     }
 }
 
+/// Whether two indentations are the same to all digits.
+fn same(one: f64, other: f64) -> bool {
+    one.to_bits() == other.to_bits()
+}
+
 /// Computes the contact over time. `next` is called with a description of the next part.
 ///
 /// # Errors
@@ -293,14 +298,14 @@ pub fn follow<P: Loadable>(
     let mut press = |indentation: f64| -> Result<ElasticSample, ApproachError> {
         count += 1;
         next(&format!("elastic contact {count}"));
-        if let Some(contact) = reached.filter(|it| it.indentation() == indentation) {
+        if let Some(contact) = reached.filter(|it| same(it.indentation(), indentation)) {
             let sample = contact.sample();
             return Ok(ElasticSample {
                 floor_force: 0.0,
                 ..sample
             });
         }
-        let contact = match deepest.take_if(|it| it.indentation() == indentation) {
+        let contact = match deepest.take_if(|it| same(it.indentation(), indentation)) {
             Some(contact) => contact,
             None => problem.press(Load::Indentation(indentation), run)?,
         };

@@ -176,11 +176,7 @@ impl<'a> Body<'a> {
             };
             let times = self.division(segment.duration, steps);
             for pair in times.windows(2) {
-                let part = |t: f64| match segment.duration {
-                    0.0 => 1.0,
-                    duration => t / duration,
-                };
-                let value = |t: f64| from + part(t) * (segment.to - from);
+                let value = |t: f64| from + t / segment.duration * (segment.to - from);
                 let ends = [time + pair[0], time + pair[1]];
                 let values = if segment.duration > 0.0 {
                     [value(pair[0]), value(pair[1])]
@@ -229,12 +225,12 @@ impl<'a> Body<'a> {
 
     /// Times from 0 to a duration: fine at the beginning, where the memories change fastest, and fine everywhere.
     fn division(&self, duration: f64, steps: usize) -> Vec<f64> {
-        if duration == 0.0 {
+        if duration <= 0.0 {
             return vec![0.0, 0.0];
         }
         let first = FIRST_STEP * self.shortest;
         let half = steps.div_ceil(2);
-        let growth = (1.0 + duration / first).ln();
+        let growth = (duration / first).ln_1p();
         let part = |k: usize| k as f64 / half as f64;
         let even = (0..=half).map(|k| duration * part(k));
         let fine = (1..half).map(|k| first * (growth * part(k)).exp_m1());
@@ -610,9 +606,9 @@ impl<'a> Body<'a> {
         equilibrium: &HistoryState,
     ) -> Option<f64> {
         if let [step, hold] = protocol.segments()
-            && step.duration == 0.0
+            && step.duration <= 0.0
             && hold.prescribed == step.prescribed
-            && hold.to == step.to
+            && (hold.to - step.to).abs() <= 0.0
         {
             // In closed form.
             return match hold.prescribed {
@@ -668,10 +664,10 @@ impl Solved {
         let mut found: Vec<(f64, HistoryEventKind)> = Vec::new();
         let [from, to] = [before.contact_indentation, state.contact_indentation];
         let part_at = |level: f64| {
-            if to == from {
-                1.0
-            } else {
+            if (to - from).abs() > 0.0 {
                 (level - from) / (to - from)
+            } else {
+                1.0
             }
         };
         let rounding = ROUNDING * (body.curve.last() - first);

@@ -1,10 +1,10 @@
 //! Prony series of measured relaxation moduli.
 
 use crate::numerics::dense::{Lu, Matrix};
-use crate::problem::{InvalidRelaxation, Relaxation};
+use crate::problem::Relaxation;
 
 /// Relaxation times of the series for every factor of ten in time. More of them make the strengths of neighbours arbitrary.
-const TIMES_PER_DECADE: f64 = 2.0;
+const TIMES_PER_DECADE: f64 = 4.0;
 
 /// Largest number of relaxation times.
 const MOST_TERMS: usize = 30;
@@ -96,10 +96,8 @@ pub fn fit_relaxation(times: &[f64], moduli: &[f64]) -> Result<FittedRelaxation,
     }
     let strengths: Vec<f64> = kept.iter().map(|k| found[*k] / relaxed_modulus).collect();
     let kept_taus: Vec<f64> = kept.iter().map(|k| taus[*k - 1]).collect();
-    let relaxation = Relaxation::new(&strengths, &kept_taus).map_err(|error| match error {
-        InvalidRelaxation::Empty => InvalidModuli::NoRelaxation,
-        _ => InvalidModuli::NoRelaxation,
-    })?;
+    let relaxation = Relaxation::new(&strengths, &kept_taus);
+    let relaxation = relaxation.map_err(|_| InvalidModuli::NoRelaxation)?;
     let off = times
         .iter()
         .zip(moduli)
