@@ -189,7 +189,7 @@ impl<'a> Body<'a> {
                     None => {
                         match self.grow(&mut growing, segment.prescribed, ends, values) {
                             None => {
-                                solved.push(self.state_of(&growing), self);
+                                solved.push_grown(self, &growing);
                                 continue;
                             }
                             Some(end) => {
@@ -204,7 +204,7 @@ impl<'a> Body<'a> {
                                         [values[0], middle],
                                     );
                                     if ended.is_none() {
-                                        solved.push(self.state_of(&growing), self);
+                                        solved.push_grown(self, &growing);
                                     }
                                 }
                                 bed.insert(Bed::new(self, &growing, steps))
@@ -510,12 +510,7 @@ impl<'a> Body<'a> {
             .events
             .iter()
             .find(|event| event.kind == HistoryEventKind::FloorContact);
-        let reached = reached.map(|event| match &solved.grown {
-            Some(growing) => self
-                .critical
-                .map_or(event.time, |critical| self.time_of(growing, critical)),
-            None => event.time,
-        });
+        let reached = reached.map(|event| event.time);
         let later = || self.floor_contact_while_held(protocol, &solved, &equilibrium);
         History {
             time_to_floor_contact: reached.or_else(later),
@@ -657,6 +652,18 @@ impl<'a> Body<'a> {
 }
 
 impl Solved {
+    /// Adds a state of growing contact. The time at which the floor is reached is exact.
+    fn push_grown(&mut self, body: &Body<'_>, growing: &Growing) {
+        let known = self.events.len();
+        self.push(body.state_of(growing), body);
+        for event in &mut self.events[known..] {
+            if let (HistoryEventKind::FloorContact, Some(critical)) = (event.kind, body.critical) {
+                event.time = body.time_of(growing, critical);
+                event.indentation = critical;
+            }
+        }
+    }
+
     /// Adds a state, and the events since the one before.
     fn push(&mut self, state: HistoryState, body: &Body<'_>) {
         let before = self.states[self.states.len() - 1];

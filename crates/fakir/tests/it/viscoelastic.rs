@@ -472,7 +472,7 @@ fn time_to_floor_contact() {
             .events
             .iter()
             .find(|it| it.kind == HistoryEventKind::FloorContact);
-        assert!((event.unwrap().time / expected - 1.0).abs() < 0.05);
+        assert!((event.unwrap().time / expected - 1.0).abs() < 1e-4);
     }
 }
 
