@@ -97,10 +97,12 @@ pub fn history(points: &[HistoryPoint], floor_contact: Option<f64>) -> Result<Fi
             Tint::Vermillion,
         ));
     }
-    // The legend of the first panel explains the marks of all.
-    for chart in charts.iter_mut().skip(1) {
-        for series in &mut chart.series {
-            series.label = None;
+    // The axes name the curves, and the legend of the first panel explains the marks of all.
+    for (panel, chart) in charts.iter_mut().enumerate() {
+        for (place, series) in chart.series.iter_mut().enumerate() {
+            if panel > 0 || place == 0 {
+                series.label = None;
+            }
         }
     }
     let figure = Grid {

@@ -100,7 +100,7 @@ impl Recorded for HistoryEvent {
             Named::number("time_s", "time of the event", |it: &Self| it.time).symbol("t"),
             Named::word(
                 "event",
-                "`first contact`, `floor contact`, `largest contact`, `smallest contact`, `floor lost` or `detachment`",
+                "`first contact`, `contact again`, `floor contact`, `largest contact`, `smallest contact`, `floor lost` or `detachment`",
                 |it: &Self| Some(it.kind.name()),
             ),
             Named::number("force_N", "normal force on the lens", |it: &Self| it.force).symbol("F"),

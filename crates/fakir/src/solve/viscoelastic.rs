@@ -685,7 +685,13 @@ impl Solved {
             } else {
                 0.0
             };
-            found.push((approach, Kind::FirstContact));
+            let has_left = self.events.iter().any(|it| it.kind == Kind::Detachment);
+            let kind = if has_left {
+                Kind::Recontact
+            } else {
+                Kind::FirstContact
+            };
+            found.push((approach, kind));
         }
         if let Some(critical) = body.critical {
             if from < critical && to >= critical {
@@ -697,7 +703,7 @@ impl Solved {
         }
         let turned = self.events.iter().rev().find_map(|event| match event.kind {
             Kind::LargestContact => Some(true),
-            Kind::FirstContact | Kind::SmallestContact => Some(false),
+            Kind::FirstContact | Kind::Recontact | Kind::SmallestContact => Some(false),
             _ => None,
         });
         let recedes = turned.unwrap_or(false);
