@@ -299,7 +299,7 @@ pub fn follow<P: Loadable>(
         count += 1;
         next(&format!("elastic contact {count}"));
         if let Some(contact) = reached.filter(|it| same(it.indentation(), indentation)) {
-            let sample = contact.sample();
+            let sample = contact.elastic_sample();
             return Ok(ElasticSample {
                 floor_force: 0.0,
                 ..sample
@@ -313,7 +313,7 @@ pub fn follow<P: Loadable>(
         if contact.unresolved().is_some() {
             unresolved.push([indentation, contact.force()]);
         }
-        Ok(contact.sample())
+        Ok(contact.elastic_sample())
     };
     let curve = ElasticCurve::sampled([first_touch, last], &kept, tolerance, most, &mut press)?;
     next("history");

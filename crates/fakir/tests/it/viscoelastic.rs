@@ -424,7 +424,7 @@ fn of_pillars(system: &System, past: f64) -> (ElasticCurve, [f64; 2]) {
         .contact;
     let mut press = |zeta: f64| {
         let contact = fakir::press(system, Load::Indentation(zeta), Method::default(), &run)?;
-        Ok::<_, fakir::state::SolveError>(contact.sample())
+        Ok::<_, fakir::state::SolveError>(contact.elastic_sample())
     };
     let kept = [critical.indentation];
     let first = system.first_touch();
@@ -487,7 +487,7 @@ fn relaxation_on_a_flat_surface() {
     let system = FlatSystem::new(lens, rubber).unwrap();
     let run = Run::default();
     let press = |zeta: f64| system.press(Load::Indentation(zeta), &run);
-    let mut sampled = |zeta: f64| press(zeta).map(|contact| contact.sample());
+    let mut sampled = |zeta: f64| press(zeta).map(|contact| contact.elastic_sample());
     let curve = ElasticCurve::sampled([0.0, 2e-6], &[], 1e-8, 60, &mut sampled).unwrap();
     let relaxation = several();
     let hold = Protocol::step_and_hold(Prescribed::Indentation, 2e-6, 100.0).unwrap();
