@@ -19,7 +19,7 @@ use fakir_figure::{HistoryPoint, history};
 const SHOWN: usize = 24;
 
 /// A history.
-struct Told<K: Kind> {
+struct Computed<K: Kind> {
     course: HistoryCourse,
     found: Followed<K::Problem>,
 }
@@ -33,10 +33,10 @@ pub(super) fn history_of<K: Kind>(
     let Running { run, next } = running;
     let found = follow(case.problem(), plan, run, next)?;
     let course = plan.course.clone();
-    Ok(Box::new(Told { course, found }))
+    Ok(Box::new(Computed { course, found }))
 }
 
-impl<K: Kind> Found<K> for Told<K> {
+impl<K: Kind> Found<K> for Computed<K> {
     fn question(&self) -> String {
         self.course.words()
     }
@@ -123,7 +123,7 @@ impl<K: Kind> Found<K> for Told<K> {
     }
 }
 
-impl<K: Kind> Told<K> {
+impl<K: Kind> Computed<K> {
     fn quantities(&self) -> String {
         let history = &self.found.history;
         let mut list = QuantityList::default();
