@@ -47,6 +47,7 @@ from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
 from ._floor import FloorContact
 from ._friction import FrictionFit, ShearStress, fit_friction
 from ._gradient import Gradient
+from ._history import History, Relaxation
 from ._homogenised import HomogenisedLattice, homogenised
 from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
@@ -109,6 +110,7 @@ __all__ = [
     "FrictionFit",
     "Gradient",
     "HeightDesign",
+    "History",
     "HexagonalPattern",
     "HomogenisedLattice",
     "JointFit",
@@ -125,6 +127,7 @@ __all__ = [
     "PlateLens",
     "ProfileLens",
     "PullOff",
+    "Relaxation",
     "Result",
     "RectangularPattern",
     "ShearStress",

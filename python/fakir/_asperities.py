@@ -14,6 +14,7 @@ from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
 from ._design import SEED
 from ._format import Row, engineering
+from ._history import Viscoelastic
 from ._numbers import AsperityPressNumbers
 from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     import pandas
 
 
-class AsperityArray:
+class AsperityArray(Viscoelastic):
     """Pillars, or asperities of a half-space, with rounded tops under a lens or a plate.
 
     Parameters
@@ -153,6 +154,9 @@ class AsperityArray:
         """As `from_file`, from the text of a case file."""
         given = settings(overrides_of(overrides, set))
         return cls._of(_fakir.Asperities.parse("case.toml", text, given))
+
+    def _problem(self) -> _fakir.Asperities:
+        return self._asperities
 
     def _hold(self, rounded: _fakir.Asperities) -> None:
         self._asperities = rounded

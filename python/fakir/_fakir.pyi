@@ -384,6 +384,12 @@ class Flat:
         self, contact_radius: float, indentation: float, distances: _Floats
     ) -> _Floats: ...
 
+def history(
+    problem: Case | Flat | Asperities | Surface,
+    segments: Sequence[tuple[bool, float, float]],
+    relaxation: tuple[Sequence[float], Sequence[float]] | None,
+    options: Options,
+) -> Answer: ...
 def press_flat(
     flat: Flat, indentation: float | None, force: float | None, options: Options
 ) -> Answer: ...

@@ -13,6 +13,7 @@ from . import _fakir
 from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
 from ._cycle import Adhesion, Drive, checked_plan
 from ._format import Row, Shown, engineering
+from ._history import Viscoelastic
 from ._loading import Loading, checked_path
 from ._numbers import FlatCycleNumbers, FlatPressNumbers
 from ._quantity import FloatArray, Quantity, array
@@ -31,7 +32,7 @@ class Flat:
         return "fakir.Flat()"
 
 
-class FlatSystem(Shown):
+class FlatSystem(Viscoelastic, Shown):
     """A lens or a flat punch on a flat surface.
 
     The contact is one disc: exact on half-spaces (Hertz, Sneddon; with adhesion Johnson, Kendall and Roberts), and from an
@@ -113,6 +114,9 @@ class FlatSystem(Shown):
     def replace(self, overrides: Overrides) -> FlatSystem:
         """The same system with other values: ``system.replace({"lens.radius": "1 mm"})``."""
         return self._of(self._flat.with_settings(settings(overrides)))
+
+    def _problem(self) -> _fakir.Flat:
+        return self._flat
 
     @property
     def lens(self) -> AnyLens | FlatPunch:

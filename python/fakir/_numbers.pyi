@@ -128,6 +128,34 @@ class FlatCycleErrors(NamedTuple):
     hysteresis: float | None = None
     'Estimated relative error of the hysteresis.'
 
+class HistoryEnd(NamedTuple):
+    time: float
+    'Time at the end (s).'
+    indentation: float
+    'Indentation at the end (m).'
+    force: float
+    'Force at the end (N).'
+    contact_radius: float | None = None
+    'Contact radius at the end (m); None under a plate.'
+    floor_share: float | None = None
+    'Floor force over total force at the end; None without a floor.'
+
+class HistoryEquilibrium(NamedTuple):
+    indentation: float
+    'Indentation in equilibrium, if the last load is held (m).'
+    force: float
+    'Force in equilibrium (N).'
+    contact_radius: float | None = None
+    'Contact radius in equilibrium (m); None under a plate.'
+    floor_share: float | None = None
+    'Floor force over total force in equilibrium; None without a floor.'
+
+class HistoryErrors(NamedTuple):
+    force: float
+    'Estimated error of the forces, relative to the largest.'
+    indentation: float
+    'Estimated error of the indentations, relative to the largest.'
+
 class FloorNumbers(Numbered):
     force: Number[float]
     'Force on the floor (N).'
@@ -423,3 +451,25 @@ class FlatCycleNumbers(Answer):
     'Whether the solver converged.'
     unresolved: Number[str | None]
     'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
+
+class HistoryNumbers(Answer):
+    time_to_floor_contact: Number[float | None]
+    'Time at which the lens reaches the floor, in the protocol or later if its last load is held (s); None if it never does, or without a floor.'
+    time_to_equilibrium: Number[float | None]
+    'Time from which force and indentation stay within 1 % of equilibrium (s); None if that is later than the protocol, and not a step and a hold.'
+    critical_force: Number[float | None]
+    'Critical force of slow loading, at the relaxed modulus, F_c (N); None without a floor.'
+    critical_indentation: Number[float | None]
+    'Critical indentation, the same at every rate, ζ_c (m); None without a floor.'
+    instantaneous_modulus_ratio: Number[float]
+    'Instantaneous modulus over relaxed modulus.'
+    largest_force: Number[float]
+    'Largest force of the history (N).'
+    end: Number[HistoryEnd]
+    '`HistoryEnd` with time, indentation, force, contact_radius, floor_share.'
+    equilibrium: Number[HistoryEquilibrium]
+    '`HistoryEquilibrium` with indentation, force, contact_radius, floor_share.'
+    error: Number[HistoryErrors]
+    '`HistoryErrors` with force, indentation.'
+    converged: Number[bool]
+    'Whether all elastic contacts converged.'

@@ -12,7 +12,15 @@ import numpy.typing as npt
 from . import _fakir
 
 Dimension: TypeAlias = Literal[
-    "length", "pressure", "force", "energy per area", "stiffness", "angle", "fraction", "number"
+    "length",
+    "pressure",
+    "force",
+    "energy per area",
+    "stiffness",
+    "angle",
+    "time",
+    "fraction",
+    "number",
 ]
 
 UNITS: dict[Dimension, str] = {
@@ -22,6 +30,7 @@ UNITS: dict[Dimension, str] = {
     "energy per area": "J/m^2",
     "stiffness": "N/m",
     "angle": "rad",
+    "time": "s",
     "fraction": "dimensionless",
     "number": "dimensionless",
 }

@@ -34,6 +34,7 @@ GROUPS = {
     "error.pull_off_force": "CycleError",
     "error.hysteresis": "CycleError",
     "flat_cycle.error": "FlatCycleErrors",
+    "history.error": "HistoryErrors",
     "floor.error": "FloorErrors",
     "friction": "Friction",
     "friction.error": "FrictionErrors",

@@ -31,6 +31,7 @@ from ._comparison import Comparison, compare
 from ._cycle import Adhesion, Cycle, Drive, checked_plan, cycle
 from ._format import Row, Shown, engineering
 from ._gradient import Gradient, gradient
+from ._history import Viscoelastic
 from ._loading import Approach, approach, checked_path
 from ._quantity import Quantity
 from ._run import Progress, options
@@ -42,7 +43,7 @@ from .bem import Surface
 Method = Literal["spectral", "love", "punch", "homogenised"]
 
 
-class System(Shown):
+class System(Viscoelastic, Shown):
     """A lens above a pillar pattern: the complete, validated problem.
 
     Parameters
@@ -196,6 +197,9 @@ class System(Shown):
             return Surface._of(found)
         assert isinstance(found, _fakir.Case), "rounded tops are refused"
         return cls._of(found)
+
+    def _problem(self) -> _fakir.Case:
+        return self._case
 
     def to_toml(self) -> str:
         """The case as a commented file, which reproduces the system exactly."""

@@ -16,6 +16,7 @@ import numpy as np
 from . import _fakir
 from ._bodies import AnyLens, Lens, Substrate, layer_numbers, layer_options, lens_of, shape_of
 from ._format import Row, engineering, remark
+from ._history import Viscoelastic
 from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
@@ -99,7 +100,7 @@ def _indenter_settings(
     return (known, words), None
 
 
-class Surface:
+class Surface(Viscoelastic):
     """An indenter above a height map.
 
     Parameters
@@ -209,6 +210,9 @@ class Surface:
                 "one, as surface.height_map"
             )
         return text
+
+    def _problem(self) -> _fakir.Surface:
+        return self._surface
 
     def _hold(self, surface: _fakir.Surface) -> None:
         self._surface, self.periodic = surface, surface.periodic

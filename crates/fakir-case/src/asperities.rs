@@ -241,6 +241,7 @@ impl CaseFile {
         }
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
+        self.relaxation_of(&parts)?;
         let top_radius = parts.pattern.top_radius;
         let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {
             apex: [x, y],

@@ -5,7 +5,7 @@ use crate::parts::{ArrangementName, OfPillarPattern, Parts};
 use crate::table::Range;
 use fakir::problem::{
     HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, PillarPattern, Point,
-    System,
+    Relaxation, System,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -25,6 +25,10 @@ pub struct Case {
     pub(crate) pillars: Option<PillarsOrigin>,
     /// File of the table of heights of the lens, if any.
     pub(crate) profile: Option<PathBuf>,
+    /// Relaxation of the bodies, if they are viscoelastic. The moduli of the system are the relaxed ones.
+    pub relaxation: Option<Relaxation>,
+    /// File of the table to which it was fitted, if any.
+    pub(crate) relaxation_table: Option<PathBuf>,
 }
 
 /// A table of pillars.
@@ -68,6 +72,8 @@ impl Case {
             spacing,
             pillars: None,
             profile: None,
+            relaxation: None,
+            relaxation_table: None,
         }
     }
 
@@ -94,6 +100,8 @@ impl Case {
             spacing: Spacing::SurfaceFraction(surface_fraction),
             pillars: None,
             profile: None,
+            relaxation: None,
+            relaxation_table: None,
         }
     }
 
@@ -126,6 +134,13 @@ impl Case {
         };
         if let Spacing::SurfaceFraction(fraction) = self.spacing {
             parts.pattern.arrangement.surface_fraction = fraction;
+        }
+        if let Some(path) = &self.relaxation_table {
+            parts.relaxation.table = path.to_string_lossy().into_owned();
+        } else if let Some(relaxation) = &self.relaxation {
+            let terms = relaxation.terms().iter();
+            (parts.relaxation.strengths, parts.relaxation.times) =
+                terms.map(|term| (term.strength, term.time)).unzip();
         }
         if self.system.lens().profile().is_some() {
             parts.shape.profile = text(&self.profile);

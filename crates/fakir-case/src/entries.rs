@@ -5,7 +5,7 @@ use crate::key::{
     FORMER_TABLE, Key, Kind, PATTERN_TABLE, Setting, former_table_words, is_table, join, names_in,
     present, similar,
 };
-use crate::unit::{parse_quantity, with_article};
+use crate::unit::{Dimension, parse_quantity, with_article};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use toml::Spanned;
@@ -20,7 +20,9 @@ pub(crate) enum Value {
     /// A number in SI units that was not parsed from text.
     InSi(f64),
     Flag(bool),
-    /// A kind of value that no key accepts, by its name in TOML, such as a list or a date.
+    /// A list of values.
+    List(Vec<Value>),
+    /// A kind of value that no key accepts, by its name in TOML, such as a date.
     Other(&'static str),
 }
 
@@ -196,6 +198,12 @@ pub(crate) fn plain_value(value: &DeValue<'_>) -> Value {
         DeValue::Integer(number) => Value::Number(integer(number)),
         DeValue::Float(number) => Value::Number(float(number)),
         DeValue::Boolean(flag) => Value::Flag(*flag),
+        DeValue::Array(items) => Value::List(
+            items
+                .iter()
+                .map(|item| plain_value(item.get_ref()))
+                .collect(),
+        ),
         other => Value::Other(other.type_str()),
     }
 }
@@ -272,6 +280,7 @@ pub(crate) fn table_for_key(place: &Place, name: &str, surface: bool, value: &st
         (Value::Text(text), Kind::Word) => key.words().contains(&text.as_str()),
         (Value::Number(_), Kind::Number(_)) => true,
         (Value::Flag(_), Kind::Word) => key.is_flag(),
+        (Value::List(_), Kind::List(_)) => true,
         _ => false,
     };
     let meant: Vec<String> = inside
@@ -303,6 +312,7 @@ pub(crate) fn kind_name(value: &Value) -> String {
         Value::Text(_) => "a string".to_owned(),
         Value::Number(_) | Value::InSi(_) => "a number".to_owned(),
         Value::Flag(_) => "a boolean".to_owned(),
+        Value::List(_) => "an array".to_owned(),
         Value::Other(name) => with_article(name),
     }
 }
@@ -314,6 +324,10 @@ pub(crate) fn accepted(key: Key) -> String {
         Kind::Word if key.is_flag() => format!("give {}", key.words().join(" or ")),
         Kind::Word => one_of(&key.words()),
         Kind::Text => NAME_IN_QUOTES.to_owned(),
+        Kind::List(Dimension::Number) => "give a list of numbers, as [1.0, 0.5]".to_owned(),
+        Kind::List(_) => {
+            "give a list of quantities with their units, as [\"10 s\", \"2 min\"]".to_owned()
+        }
     }
 }
 

@@ -296,6 +296,11 @@ impl CaseFile {
         self.check_adhesion(adhesion, method)?;
         self.check_adhesive_floor(adhesion, parts.pattern.floor)?;
         self.check_bases(&parts)?;
+        let relaxation = self.relaxation_of(&parts)?;
+        let relaxation_table = self
+            .entry(Key::RelaxationTable)
+            .map(|_| self.named_file(Key::RelaxationTable, &parts.relaxation.table))
+            .map(|path| std::path::absolute(&path).unwrap_or(path));
         let system = parts
             .system(shape, pattern, adhesion)
             .map_err(|invalid| self.impossible(&invalid))?;
@@ -309,6 +314,8 @@ impl CaseFile {
             spacing,
             pillars,
             profile,
+            relaxation: relaxation.map(|it| it.relaxation),
+            relaxation_table,
         })
     }
 
@@ -594,9 +601,14 @@ impl CaseFile {
     }
 
     /// Sets a value, if the key accepts it.
-    fn read_value(&self, key: Key, entry: &Entry, parts: &mut Parts) -> Result<(), CaseError> {
+    pub(crate) fn read_value(
+        &self,
+        key: Key,
+        entry: &Entry,
+        parts: &mut Parts,
+    ) -> Result<(), CaseError> {
         let row = key.row();
-        if let (Key::CellSize, Value::Other("array")) = (key, &entry.value) {
+        if let (Key::CellSize, Value::List(_)) = (key, &entry.value) {
             return Err(self
                 .problem(key, "cells are squares, of one size")
                 .accepted("give one length; resample a map of other cells"));
@@ -637,6 +649,29 @@ impl CaseFile {
                     return Err(self.problem(key, problem).accepted(NAME_IN_QUOTES));
                 }
             },
+            Field::List { dimension, place } => {
+                let measured = Measured::of(key.path(), dimension);
+                let items = match &entry.value {
+                    Value::List(items) => items.clone(),
+                    // As in an override: 10 s, 2 min.
+                    Value::Text(text) => text
+                        .trim_matches(['[', ']'])
+                        .split(',')
+                        .map(|item| item.trim().trim_matches('"'))
+                        .map(|item| match item.parse() {
+                            Ok(number) => Value::Number(number),
+                            Err(_) => Value::Text(item.to_owned()),
+                        })
+                        .collect(),
+                    one => vec![one.clone()],
+                };
+                let items = items.into_iter().map(|value| {
+                    let place = entry.place.clone();
+                    quantity(&measured, &Entry { value, place })
+                        .map_err(|error| error.accepted(accepted(key)))
+                });
+                *place(parts) = items.collect::<Result<_, _>>()?;
+            }
         }
         Ok(())
     }

@@ -71,6 +71,10 @@ impl CaseFile {
         let adhesion = self.adhesion(&parts);
         self.check_receding()?;
         self.check_bases(&parts)?;
+        self.relaxation_of(&parts)?;
+        let table = self.named_file(Key::RelaxationTable, &parts.relaxation.table);
+        let table = std::path::absolute(&table).unwrap_or(table);
+        parts.relaxation.table = table.to_string_lossy().into_owned();
         let system = system
             .with_adhesion(adhesion)
             .and_then(|system| {

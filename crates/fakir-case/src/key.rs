@@ -27,6 +27,8 @@ pub enum Kind {
     Word,
     /// Name of a file, or of something in a file.
     Text,
+    /// A list of numbers of some dimension.
+    List(Dimension),
 }
 
 /// The value of a key, or of an axis of a study.
@@ -172,6 +174,7 @@ impl Key {
             Field::Number { dimension, .. } => Kind::Number(dimension),
             Field::Word(_) => Kind::Word,
             Field::Text(_) => Kind::Text,
+            Field::List { dimension, .. } => Kind::List(dimension),
         }
     }
 
@@ -304,7 +307,7 @@ impl Key {
     pub fn dimension(self) -> Dimension {
         match self.kind() {
             Kind::Number(dimension) => dimension,
-            Kind::Word | Kind::Text => Dimension::Number,
+            Kind::Word | Kind::Text | Kind::List(_) => Dimension::Number,
         }
     }
 
@@ -314,6 +317,11 @@ impl Key {
             Field::Number { place, .. } => Setting::Number(*place(parts)),
             Field::Word(place) => Setting::Word(place(parts).chosen().to_owned()),
             Field::Text(place) => Setting::Word(place(parts).clone()),
+            Field::List { dimension, place } => {
+                let items = place(parts).iter();
+                let items = items.map(|value| format_quantity(*value, dimension));
+                Setting::Word(items.collect::<Vec<_>>().join(", "))
+            }
         }
     }
 
@@ -322,6 +330,13 @@ impl Key {
         match value {
             Setting::Number(value) => self.written_number(*value),
             Setting::Word(word) if self.is_flag() => word.clone(),
+            Setting::Word(word) if matches!(self.kind(), Kind::List(_)) => {
+                let items = word.split(',').map(|item| match self.kind() {
+                    Kind::List(Dimension::Number) => item.trim().to_owned(),
+                    _ => toml::Value::from(item.trim()).to_string(),
+                });
+                format!("[{}]", items.collect::<Vec<_>>().join(", "))
+            }
             Setting::Word(word) => toml::Value::from(word.as_str()).to_string(),
         }
     }
@@ -486,6 +501,7 @@ mod tests {
             [
                 "lens",
                 "substrate",
+                "relaxation",
                 "pattern",
                 "floor",
                 "adhesion",

@@ -18,6 +18,7 @@ pub(crate) struct Parts {
     pub(crate) substrate: Material,
     pub(crate) lens_layer: LayerParts,
     pub(crate) substrate_layer: LayerParts,
+    pub(crate) relaxation: RelaxationParts,
     pub(crate) pattern: PillarPatternParts,
     pub(crate) method: MethodParts,
     pub(crate) surface: SurfaceParts,
@@ -33,6 +34,14 @@ pub(crate) struct ShapeParts {
     pub(crate) tilt: f64,
     pub(crate) tilt_direction: f64,
     pub(crate) profile: String,
+}
+
+/// The table `[relaxation]`; empty for elastic bodies.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct RelaxationParts {
+    pub(crate) strengths: Vec<f64>,
+    pub(crate) times: Vec<f64>,
+    pub(crate) table: String,
 }
 
 /// A body of finite thickness.
@@ -176,6 +185,7 @@ impl Default for Parts {
             substrate: material,
             lens_layer: half_space.clone(),
             substrate_layer: half_space,
+            relaxation: RelaxationParts::default(),
             pattern: PillarPatternParts {
                 name: OfPillarPattern(ArrangementName::Hexagonal),
                 arrangement: ArrangementParts::of_heights(Scatter::normal(0.0, 0)),

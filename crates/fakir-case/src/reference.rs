@@ -41,6 +41,8 @@ fn value(key: Key) -> String {
         (Kind::Number(Dimension::Number), Some(range)) => range.to_string(),
         (Kind::Number(dimension), Some(range)) => format!("{dimension}: {range}"),
         (Kind::Word, _) => words(&key.words()),
+        (Kind::List(Dimension::Number), _) => "a list of numbers: greater than 0".to_owned(),
+        (Kind::List(dimension), _) => format!("a list, each {dimension}: greater than 0"),
         _ => "a text".to_owned(),
     }
 }
@@ -95,7 +97,7 @@ const COLUMNS: &str = "\
 const HEADER: &str = "\
 # The keys of a case file
 
-A case has `[lens]` and `[substrate]`, and either `[pattern]`, with or without `[floor]`, `[adhesion]` and `[method]`, or
+A case has `[lens]` and `[substrate]`, `[relaxation]` if they are viscoelastic, and either `[pattern]`, with or without `[floor]`, `[adhesion]` and `[method]`, or
 `[surface]`. Quantities have a unit, as in `\"6 um\"`; bare numbers are in SI units. Fractions can be in per
 cent, as in `\"3 %\"`.
 ";

@@ -121,6 +121,7 @@ impl CaseFile {
     /// map that cannot be read, or a surface that exceeds the memory limit.
     pub fn surface_case(&self, memory_limit: usize) -> Result<SurfaceCase, CaseError> {
         let (kind, parts) = self.surface_parts()?;
+        self.relaxation_of(&parts)?;
         let SurfaceParts { boundary, .. } = parts.surface;
         let (surface, origin) = if kind == Part::HeightMap {
             let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
@@ -585,6 +586,7 @@ impl CaseFile {
             (Key::HeightMap, &mut parts.surface.height_map),
             (Key::Pillars, &mut parts.pattern.pillars),
             (Key::LensProfile, &mut parts.shape.profile),
+            (Key::RelaxationTable, &mut parts.relaxation.table),
         ] {
             let path = self.named_file(key, place);
             let path = std::path::absolute(&path).unwrap_or(path);

@@ -165,6 +165,17 @@ keys! {
             number("Poisson's ratio of an elastic base, 0 to 0.5", |p| &mut p.substrate_layer.material.poisson_ratio)
                 .label("Poisson's ratio of the base").range(POISSON).with(Key::SubstrateBase, &["elastic"]).of(Quantity::SubstrateBasePoissonRatio);
     }
+    Bodies {
+        RelaxationStrengths = "relaxation.strengths" is
+            list(Dimension::Number, "viscoelastic bodies: all moduli are times 1 + sum strengths exp(-t/times), so that young_modulus is the relaxed one", |p| &mut p.relaxation.strengths)
+                .otherwise("the bodies are elastic").unwritten(|p| p.relaxation.strengths.is_empty());
+        RelaxationTimes = "relaxation.times" is
+            list(Dimension::Time, "relaxation times, one for every strength", |p| &mut p.relaxation.times)
+                .otherwise("the bodies are elastic").unwritten(|p| p.relaxation.times.is_empty());
+        RelaxationTable = "relaxation.table" is
+            text("table of a measured relaxation modulus, columns time_s, modulus_Pa, to which strengths and times are fitted; or give these instead", |p| &mut p.relaxation.table)
+                .otherwise("strengths and times are given").unwritten(|p| p.relaxation.table.is_empty());
+    }
     PillarPattern {
         Lattice = "pattern.lattice" is
             word("hexagonal, square, rectangular, oblique or listed", |p| &mut p.pattern.name)
@@ -470,6 +481,10 @@ pub(crate) enum Field {
     },
     Word(fn(&mut Parts) -> &mut dyn Choice),
     Text(fn(&mut Parts) -> &mut String),
+    List {
+        dimension: Dimension,
+        place: fn(&mut Parts) -> &mut Vec<f64>,
+    },
 }
 
 /// Whether a key is required.
@@ -753,6 +768,14 @@ const fn fraction(summary: &'static str, place: fn(&mut Parts) -> &mut f64) -> R
 
 const fn word(summary: &'static str, place: fn(&mut Parts) -> &mut dyn Choice) -> Row {
     Row::new(summary, Field::Word(place))
+}
+
+const fn list(
+    dimension: Dimension,
+    summary: &'static str,
+    place: fn(&mut Parts) -> &mut Vec<f64>,
+) -> Row {
+    Row::new(summary, Field::List { dimension, place })
 }
 
 const fn text(summary: &'static str, place: fn(&mut Parts) -> &mut String) -> Row {

@@ -22,6 +22,8 @@ pub enum Dimension {
     Stiffness,
     /// An angle, in rad.
     Angle,
+    /// A time, in s.
+    Time,
     /// A fraction: a plain number, or in per cent.
     Fraction,
     /// A plain number, without a unit.
@@ -41,7 +43,7 @@ pub struct Unit {
 enum Scale {
     PowerOfTen(i32),
     Degrees,
-    /// SI units in one of this unit. Such units are read, and neither suggested nor written.
+    /// SI units in one of this unit. Such units are read and not written.
     Factor(f64),
 }
 
@@ -86,7 +88,7 @@ const FURTHER_UNITS: [Unit; 16] = [
     unit("bar", Dimension::Pressure, Scale::Factor(1e5)),
 ];
 
-const UNITS: [Unit; 22] = [
+const UNITS: [Unit; 26] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
     unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
     unit("um", Dimension::Length, Scale::PowerOfTen(-6)),
@@ -108,6 +110,10 @@ const UNITS: [Unit; 22] = [
     unit("mN/m", Dimension::Stiffness, Scale::PowerOfTen(-3)),
     unit("deg", Dimension::Angle, Scale::Degrees),
     unit("rad", Dimension::Angle, Scale::PowerOfTen(0)),
+    unit("s", Dimension::Time, Scale::PowerOfTen(0)),
+    unit("ms", Dimension::Time, Scale::PowerOfTen(-3)),
+    unit("min", Dimension::Time, Scale::Factor(60.0)),
+    unit("h", Dimension::Time, Scale::Factor(3600.0)),
     unit("%", Dimension::Fraction, Scale::PowerOfTen(-2)),
 ];
 
@@ -194,6 +200,7 @@ impl Dimension {
             Self::EnergyPerArea => "energy per area",
             Self::Stiffness => "stiffness",
             Self::Angle => "angle",
+            Self::Time => "time",
             Self::Fraction => "fraction",
             Self::Number => "number",
         }
@@ -209,6 +216,7 @@ impl Dimension {
             Self::EnergyPerArea => "_J_per_m2",
             Self::Stiffness => "_N_per_m",
             Self::Angle => "_rad",
+            Self::Time => "_s",
             Self::Fraction | Self::Number => "",
         }
     }
@@ -223,6 +231,7 @@ impl Dimension {
             Self::EnergyPerArea => ("50 mJ/m2", "J/m2"),
             Self::Stiffness => ("20 N/m", "N/m"),
             Self::Angle => ("30 deg", "rad"),
+            Self::Time => ("10 s", "s"),
             Self::Fraction => {
                 return "give a fraction as a bare number such as 0.03, or in per cent, written like \"3 %\""
                     .to_owned();
@@ -233,6 +242,14 @@ impl Dimension {
             "give {self} in {}, written like \"{example}\", or a bare number in {si}",
             self.unit_list()
         )
+    }
+
+    /// An example of a rate.
+    fn example_rate(self) -> &'static str {
+        match self {
+            Self::Force => "10 uN/s",
+            _ => "1 um/s",
+        }
     }
 
     /// The unit in which `value` (SI) has one to three digits before the point, if there is one;
@@ -301,7 +318,7 @@ impl Dimension {
             Self::Force => Some([1e-7, 0.1]),
             Self::EnergyPerArea => Some([1e-3, 0.5]),
             Self::Angle => Some([0.0, FRAC_PI_2]),
-            Self::Stiffness | Self::Fraction | Self::Number => None,
+            Self::Stiffness | Self::Time | Self::Fraction | Self::Number => None,
         }
     }
 
@@ -311,7 +328,9 @@ impl Dimension {
         let greatest = GENEROUS * usual[1];
         match self {
             Self::Pressure => [usual[0], f64::INFINITY],
-            Self::Stiffness | Self::Fraction | Self::Number => [f64::NEG_INFINITY, f64::INFINITY],
+            Self::Stiffness | Self::Time | Self::Fraction | Self::Number => {
+                [f64::NEG_INFINITY, f64::INFINITY]
+            }
             Self::Length | Self::Force | Self::EnergyPerArea | Self::Angle => [-greatest, greatest],
         }
     }
@@ -454,6 +473,31 @@ pub fn parse_plausible(
         dimension.check_bare(bare, value, usual)?;
     }
     Ok(value)
+}
+
+/// Reads a rate: a quantity of one of two dimensions over a unit of time, such as `1 um/s` or `0.2 mN/min`. Returns it in SI units per second,
+/// with its dimension.
+///
+/// # Errors
+/// A message: what is wrong, and what is accepted.
+pub fn parse_rate(text: &str, dimensions: [Dimension; 2]) -> Result<(f64, Dimension), String> {
+    let accepted = format!(
+        "give a rate such as \"{}\" or \"{}\"",
+        dimensions[0].example_rate(),
+        dimensions[1].example_rate()
+    );
+    let refused = |problem: String| format!("{problem}; {accepted}");
+    let Some((quantity, unit)) = text.rsplit_once('/') else {
+        return Err(refused(format!("\"{text}\" is no rate: it has no \"/\"")));
+    };
+    let time = parse_quantity(&format!("1 {}", unit.trim()), Dimension::Time)
+        .map_err(|error| refused(error.to_string()))?;
+    let read = dimensions.map(|dimension| parse_quantity(quantity, dimension));
+    match read {
+        [Ok(value), _] => Ok((value / time, dimensions[0])),
+        [_, Ok(value)] => Ok((value / time, dimensions[1])),
+        [Err(error), _] => Err(refused(error.to_string())),
+    }
 }
 
 /// Splits a text into the longest leading number and the rest, both trimmed. Words such as `inf` or `nan` are numbers unless a letter

@@ -3,10 +3,10 @@
 use crate::failure::Failure;
 use crate::session::{RunArguments, memory};
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
-use fakir::problem::{CyclePlan, Load, LoadingMode, Question};
+use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
 use fakir::state::Branch;
-use fakir_case::unit::{Dimension, QuantityError, parse_plausible};
-use fakir_case::{CaseError, CaseFile, Key, Kind};
+use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_rate};
+use fakir_case::{CaseError, CaseFile, Key, Kind, read_protocol};
 use fakir_inverse::design::{Wanted, free_key};
 use fakir_inverse::fit::{
     FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
@@ -15,6 +15,7 @@ use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
 use fakir_study::approach::{LoadingEnd, LoadingPath};
 use fakir_study::fields::MOST_POINTS;
+use fakir_study::history::HistoryCourse;
 use fakir_study::output::Replace;
 use fakir_study::{Existing, Shard};
 use std::ffi::OsString;
@@ -130,6 +131,23 @@ pub(crate) enum Command {
     /// `fakir approach --retract` is the older name of this command.
     #[command(after_help = "Example: fakir cycle case.toml --set adhesion.work=50mJ/m2")]
     Cycle(Cycle),
+    /// Compute the contact of viscoelastic bodies over time (a case with [relaxation]): creep, relaxation, time to floor contact
+    ///
+    /// A force or an indentation is reached at once, or in the time --ramp, held --for a time, and with --back taken back. Or --protocol is
+    /// a table of ramps: a column time_s, and one of displacement_m, indentation_m or force_N, also in other units (time_min,
+    /// displacement_um). young_modulus is the relaxed modulus of all bodies. While the contact grows, the result is a superposition of
+    /// elastic contacts, which is exact; from the first receding on, it is computed in time steps with an estimated error.
+    ///
+    /// time_to_floor_contact_s of the JSON is the time at which the lens reaches the floor, also after the end if the last load is held, and
+    /// null if it never does. With --output the states and the events are saved as tables, and plotted over time.
+    ///
+    /// Adhesive cases are refused: compute their limits of slow and fast loads with `fakir press`, without and with --instantaneous.
+    #[command(after_help = "Examples:
+  fakir hold case.toml --force 1mN --for 10min
+  fakir hold case.toml --set relaxation.strengths=[1.0] --set relaxation.times=30s --force 0.4mN --for 5min
+  fakir hold case.toml --indentation 4um --ramp 10s --for 1min --back --output history
+  fakir hold case.toml --protocol ramps.csv")]
+    Hold(Hold),
     /// Compare the spectral method with boundary elements on the same problem
     ///
     /// Boundary elements (BEM) on two meshes are compared with the accurate spectral method; both methods estimate their errors. The
@@ -295,6 +313,7 @@ impl Command {
             Self::Press(_) => "press",
             Self::Approach(_) => "approach",
             Self::Cycle(_) => "cycle",
+            Self::Hold(_) => "hold",
             Self::Verify(_) => "verify",
             Self::Theory(_) => "theory",
             Self::Compare(_) => "compare",
@@ -388,6 +407,8 @@ pub(crate) struct Transition {
     #[command(flatten)]
     pub(crate) gradient: GradientArguments,
     #[command(flatten)]
+    modulus: ModulusArguments,
+    #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
     pub(crate) run: RunArguments,
@@ -404,6 +425,31 @@ pub(crate) struct Asked<'a> {
     pub(crate) request: Request,
     /// Without the range of the attraction.
     pub(crate) details: Details,
+    /// A course over time, for which the request is a history of viscoelastic bodies.
+    pub(crate) course: Option<HistoryCourse>,
+    /// Whether the moduli are the instantaneous ones.
+    pub(crate) instantaneous: bool,
+}
+
+impl<'a> Asked<'a> {
+    /// A history, whose course is still to be set.
+    fn over_time(
+        case: &'a CaseArguments,
+        run: &'a RunArguments,
+        floor: &'a FloorArguments,
+    ) -> Self {
+        Self {
+            case,
+            run,
+            floor: Some(floor),
+            range: None,
+            questions: vec![Question::Hold],
+            request: Request::Contact(Load::FloorContact),
+            details: case.details(),
+            course: None,
+            instantaneous: false,
+        }
+    }
 }
 
 impl Transition {
@@ -424,6 +470,8 @@ impl Transition {
                 maps: self.fields.maps(&self.case),
                 ..Details::default()
             },
+            course: None,
+            instantaneous: self.modulus.instantaneous,
         }
     }
 }
@@ -443,6 +491,8 @@ pub(crate) struct Press {
     pub(crate) limits: LimitArguments,
     #[command(flatten)]
     pub(crate) gradient: GradientArguments,
+    #[command(flatten)]
+    modulus: ModulusArguments,
     #[command(flatten)]
     fields: FieldArguments,
     #[command(flatten)]
@@ -472,6 +522,8 @@ impl Press {
                 maps: self.fields.maps(&self.case),
                 ..Details::default()
             },
+            course: None,
+            instantaneous: self.modulus.instantaneous,
         }
     }
 }
@@ -492,6 +544,10 @@ pub(crate) struct Approach {
     /// Stop at this indentation, or at the critical state if that is reached earlier
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     until: Option<f64>,
+    /// Load viscoelastic bodies (a case with [relaxation]) at this rate of the indentation or of the force, as 1um/s or 10uN/s; the states
+    /// are then those of the time steps
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true)]
+    rate: Option<(f64, Dimension)>,
     /// Continue --until past the critical state, as --to does
     #[arg(long, requires = "until", hide = true)]
     past_transition: bool,
@@ -503,14 +559,23 @@ pub(crate) struct Approach {
 
 impl Approach {
     pub(crate) fn asked(&self) -> Result<Asked<'_>, Failure> {
+        let path = self.path()?;
+        if let Some(course) = ramp_at(self.rate, path.end, false)? {
+            return Ok(Asked {
+                course: Some(course),
+                ..Asked::over_time(&self.case, &self.run, &self.floor)
+            });
+        }
         Ok(Asked {
             case: &self.case,
             run: &self.run,
             floor: Some(&self.floor),
             range: None,
             questions: vec![Question::Approach],
-            request: Request::Loading(self.path()?),
+            request: Request::Loading(path),
             details: self.case.details(),
+            course: None,
+            instantaneous: false,
         })
     }
 
@@ -527,10 +592,109 @@ impl Approach {
     }
 }
 
+/// A load over time, of viscoelastic bodies.
+#[derive(Debug, Args)]
+#[command(group = ArgGroup::new("held").required(true).args(["indentation", "force", "protocol"]))]
+pub(crate) struct Hold {
+    #[command(flatten)]
+    pub(crate) case: CaseArguments,
+    #[command(flatten)]
+    load: LoadArguments,
+    /// Table of ramps: a column time_s, and one of displacement_m, indentation_m or force_N, in any unit; the first value is reached at once
+    #[arg(long, value_name = "CSV")]
+    protocol: Option<PathBuf>,
+    /// Duration of the hold (s, ms, min, h)
+    #[arg(long = "for", value_name = "TIME", value_parser = time, allow_hyphen_values = true, required_unless_present = "protocol", conflicts_with = "protocol")]
+    duration: Option<f64>,
+    /// Time in which the load is reached (s, ms, min, h)
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true, default_value = "0", conflicts_with = "protocol")]
+    ramp: f64,
+    /// Take the load back after the hold, in the time --ramp
+    #[arg(long, conflicts_with = "protocol")]
+    back: bool,
+    #[command(flatten)]
+    pub(crate) floor: FloorArguments,
+    #[command(flatten)]
+    pub(crate) run: RunArguments,
+}
+
+impl Hold {
+    /// The question, of which the relaxation is added from the case.
+    pub(crate) fn asked(&self) -> Result<Asked<'_>, Failure> {
+        let course = match &self.protocol {
+            Some(path) => HistoryCourse::Protocol(read_protocol(path).map_err(Failure::Argument)?),
+            None => HistoryCourse::Hold {
+                load: self.load.load(),
+                ramp: not_negative("--ramp", self.ramp)?,
+                duration: not_negative("--for", self.duration.unwrap_or(0.0))?,
+                back: self.back,
+            },
+        };
+        Ok(Asked {
+            course: Some(course),
+            ..Asked::over_time(&self.case, &self.run, &self.floor)
+        })
+    }
+}
+
+fn not_negative(option: &str, value: f64) -> Result<f64, Failure> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(Failure::Argument(format!(
+            "{option} is {value} s: it must be 0 or greater"
+        )))
+    }
+}
+
+/// A ramp at a rate, if one is given.
+fn ramp_at(
+    rate: Option<(f64, Dimension)>,
+    end: LoadingEnd,
+    back: bool,
+) -> Result<Option<HistoryCourse>, Failure> {
+    let Some((rate, dimension)) = rate else {
+        return Ok(None);
+    };
+    if !(rate > 0.0 && rate.is_finite()) {
+        return Err(Failure::Argument(
+            "--rate must be greater than 0, as 1um/s".to_owned(),
+        ));
+    }
+    let prescribed = match dimension {
+        Dimension::Force => Prescribed::Force,
+        _ => Prescribed::Indentation,
+    };
+    let end = match end {
+        LoadingEnd::At(load) => load,
+        LoadingEnd::CriticalOr(_) => {
+            return Err(Failure::Argument(
+                "with --rate give --to or --to-force instead of --until".to_owned(),
+            ));
+        }
+    };
+    match (prescribed, end) {
+        (Prescribed::Force, Load::Indentation(_)) | (Prescribed::Indentation, Load::Force(_)) => {
+            Err(Failure::Argument(
+                "a rate of the indentation, as 1um/s, goes with --to, a rate of the force, as 10uN/s, with --to-force".to_owned(),
+            ))
+        }
+        _ => Ok(Some(HistoryCourse::Ramp {
+            prescribed,
+            rate,
+            end,
+            back,
+        })),
+    }
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Cycle {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
+    /// Load and unload viscoelastic bodies (a case with [relaxation]) at this rate of the indentation or of the force, as 1um/s or 10uN/s
+    #[arg(long, value_name = "RATE", value_parser = rate, allow_hyphen_values = true, conflicts_with_all = ["drive", "machine_stiffness", "attraction_range"])]
+    rate: Option<(f64, Dimension)>,
     /// Load to this indentation (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, conflicts_with = "to_force")]
     to: Option<f64>,
@@ -554,6 +718,13 @@ pub(crate) struct Cycle {
 
 impl Cycle {
     pub(crate) fn asked(&self) -> Result<Asked<'_>, Failure> {
+        let end = LoadingEnd::of(None, false, self.to, self.to_force)?;
+        if let Some(course) = ramp_at(self.rate, end, true)? {
+            return Ok(Asked {
+                course: Some(course),
+                ..Asked::over_time(&self.case, &self.run, &self.floor)
+            });
+        }
         Ok(Asked {
             case: &self.case,
             run: &self.run,
@@ -562,6 +733,8 @@ impl Cycle {
             questions: vec![Question::Cycle],
             request: Request::Cycle(self.plan()?),
             details: self.case.details(),
+            course: None,
+            instantaneous: false,
         })
     }
 
@@ -1324,6 +1497,14 @@ impl FloorArguments {
     }
 }
 
+/// Which modulus of viscoelastic bodies applies.
+#[derive(Debug, Clone, Copy, Args)]
+pub(crate) struct ModulusArguments {
+    /// Use the instantaneous moduli of viscoelastic bodies (a case with [relaxation]), those of fast loads, instead of the relaxed ones
+    #[arg(long)]
+    instantaneous: bool,
+}
+
 /// Whether derivatives are requested.
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct GradientArguments {
@@ -1426,6 +1607,15 @@ fn attraction(text: &str) -> Result<f64, QuantityError> {
 
 fn force(text: &str) -> Result<f64, QuantityError> {
     quantity(text, Dimension::Force)
+}
+
+fn time(text: &str) -> Result<f64, QuantityError> {
+    quantity(text, Dimension::Time)
+}
+
+/// Parses a rate of the indentation or of the force.
+fn rate(text: &str) -> Result<(f64, Dimension), String> {
+    parse_rate(text, [Dimension::Length, Dimension::Force])
 }
 
 fn stiffness(text: &str) -> Result<f64, QuantityError> {

@@ -15,9 +15,12 @@ use arguments::{Arguments, Asked, CaseArguments, Command};
 use clap::Parser;
 use failure::{Failure, Status};
 use fakir::problem::Question;
+use fakir::theory::prony::FittedRelaxation;
 use fakir_case::input::LARGEST_CASE;
+use fakir_case::unit::Dimension;
 use fakir_case::{AnyCase, Case, CaseFile};
-use fakir_study::answer::{Details, Running};
+use fakir_study::answer::{Details, Request, Running};
+use fakir_study::history::HistoryPlan;
 use fakir_study::numbers;
 use fakir_study::report::Report;
 use session::Session;
@@ -58,6 +61,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Press(options) => ask(command, &options.asked()),
         Command::Approach(options) => ask(command, &options.asked()?),
         Command::Cycle(options) => ask(command, &options.asked()?),
+        Command::Hold(options) => ask(command, &options.asked()?),
         Command::Verify(options) => {
             let session = Session::start(&options.run, options.case.quiet)?;
             let mut file = read_case(&options.case)?;
@@ -167,8 +171,23 @@ fn ask(command: &Command, asked: &Asked<'_>) -> Result<Status, Failure> {
     if let Some(floor) = asked.floor {
         floor.apply(&mut file)?;
     }
+    if asked.instantaneous {
+        file.set_instantaneous()?;
+    }
     let case = file.any_case(&asked.questions)?;
-    deliver(command, asked.case, file.warnings(), move || {
+    let mut case_warnings = file.warnings();
+    let request = match &asked.course {
+        None => asked.request.clone(),
+        Some(course) => {
+            let of = file.viscoelastic()?;
+            case_warnings.extend(of.fitted.as_ref().map(fitted_words));
+            Request::History(HistoryPlan {
+                relaxation: of.relaxation,
+                course: course.clone(),
+            })
+        }
+    };
+    deliver(command, asked.case, case_warnings, move || {
         let range = asked.range.map(|range| range.of(case.is_adhesive()));
         let details = Details {
             range: range.transpose()?.flatten(),
@@ -178,9 +197,20 @@ fn ask(command: &Command, asked: &Asked<'_>) -> Result<Status, Failure> {
             run: session.run(),
             next: &|part| session.part(part),
         };
-        let answer = fakir_study::answer::answer(&case, &asked.request, &details, &running)?;
+        let answer = fakir_study::answer::answer(&case, &request, &details, &running)?;
         Ok(answer.report(&running)?)
     })
+}
+
+/// Message about a relaxation that was fitted to a table.
+fn fitted_words(fitted: &FittedRelaxation) -> String {
+    format!(
+        "relaxation.table was fitted by {} terms with a relative error of {} (largest {}); its relaxed modulus is {}, and the moduli of the case are those of young_modulus",
+        fitted.relaxation.terms().len(),
+        numbers::significant(fitted.rms_error, 2),
+        numbers::significant(fitted.largest_error, 2),
+        numbers::with_unit(fitted.relaxed_modulus, Dimension::Pressure, 3)
+    )
 }
 
 /// Answers a question that only pillars with flat tops have an answer to.

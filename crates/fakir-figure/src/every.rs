@@ -4,7 +4,7 @@ use crate::samples::{self, system};
 use crate::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, CriticalStateCurve, CriticalStatePoint,
     DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad,
-    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, LateralModel,
+    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, HistoryPoint, LateralModel,
     LateralPoint, LineChart, LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint,
     Series, Style, SurfaceState, Text, View,
 };
@@ -157,6 +157,14 @@ fn of_numbers() -> Drawn {
         without_floor: k > 15,
     });
     let loading: Vec<LoadingPoint> = loading.collect();
+    let over_time = (0..20).map(|k| HistoryPoint {
+        time: 40.0 * f64::from(k),
+        indentation: 1e-6 * wild(k + 2),
+        force: 1e-6 * wild(k),
+        contact_radius: Some(1e-5 * wild(k + 1)),
+        floor_share: Some(1e-2 * wild(k)),
+    });
+    let over_time: Vec<HistoryPoint> = over_time.collect();
     let critical = |k: u32| CriticalPoint {
         surface_fraction: 0.001 * f64::from(k + 1),
         reduced: Normalized {
@@ -274,6 +282,7 @@ fn of_numbers() -> Drawn {
             "approach",
             crate::approach(&loading, Some(loading[7])).unwrap(),
         ),
+        ("history", crate::history(&over_time, Some(100.0)).unwrap()),
         ("critical_curves", crate::critical_curves(&[column])),
         (
             "critical_states",

@@ -69,6 +69,7 @@ pub use figures::flat::{flat_cycle, flat_pressure};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;
 pub use figures::histogram::{Histogram, histogram};
+pub use figures::history::{HistoryPoint, history};
 pub use figures::lateral_force::{LateralModel, LateralPoint, lateral_force};
 pub use figures::lattice_sums::lattice_sums;
 pub use figures::lines::{LineChart, lines};

@@ -312,7 +312,7 @@ fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f6
     for Tolerance { key, deviation } in tolerances {
         let mean = match key.kind() {
             Kind::Number(_) => file.given(*key)?,
-            Kind::Word | Kind::Text => None,
+            Kind::Word | Kind::Text | Kind::List(_) => None,
         };
         let mean = mean.ok_or(SpreadError::NotVariable(*key))?;
         if varied.iter().any(|(other, _, _)| other == key) {

@@ -67,6 +67,28 @@ impl Answer {
     }
 }
 
+impl Answer {
+    /// The same of a record.
+    pub(crate) fn of_record(
+        record: Record,
+        summary: String,
+        converged: bool,
+        warnings: Vec<String>,
+    ) -> Self {
+        let termination = if converged {
+            Termination::Converged
+        } else {
+            Termination::Stagnated
+        };
+        Self {
+            record,
+            summary,
+            termination: termination.description(),
+            warnings,
+        }
+    }
+}
+
 /// Warnings of a contact, except that it did not converge, which Python raises as an exception.
 pub(crate) fn warnings(contact: &impl Contact) -> Vec<String> {
     let words = contact.warnings().iter().map(ToString::to_string);

@@ -167,6 +167,11 @@ impl Asperities {
         self.case.to_toml()
     }
 
+    /// The case.
+    pub(crate) fn case(&self) -> &AsperityCase {
+        &self.case
+    }
+
     pub(crate) fn of(mut file: CaseFile, overrides: &[String]) -> PyResult<Self> {
         for setting in overrides {
             file.set(setting).map_err(|error| case_error(&error))?;

@@ -195,6 +195,7 @@ pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
         "energy per area" => Dimension::EnergyPerArea,
         "stiffness" => Dimension::Stiffness,
         "angle" => Dimension::Angle,
+        "time" => Dimension::Time,
         "fraction" => Dimension::Fraction,
         "number" => Dimension::Number,
         _ => return Err(value_error(format!("no dimension \"{dimension}\""))),

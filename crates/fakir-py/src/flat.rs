@@ -98,6 +98,11 @@ impl Flat {
         Ok(Self { file, case })
     }
 
+    /// The case.
+    pub(crate) fn case(&self) -> &FlatCase {
+        &self.case
+    }
+
     fn answer(&self, contact: &FlatContact, wall_time: f64) -> Answer {
         let answer = FlatAnswer {
             system: &self.case.system,

@@ -35,7 +35,7 @@ impl AnyKind<'_> {
             Self::Asperities(asperities) => {
                 CaseFile::parse(PYTHON, &asperities.text()).map_err(|error| case_error(&error))
             }
-            Self::Surface(surface) => surface.case_file().cloned().ok_or_else(|| {
+            Self::Surface(surface) => surface.file().cloned().ok_or_else(|| {
                 value_error(
                     "shear stresses are fitted for a height map of a case file: save the heights as a file, and read the case with fakir.read_case",
                 )

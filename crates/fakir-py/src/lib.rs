@@ -15,6 +15,7 @@ mod error;
 mod fit;
 mod flat;
 mod friction;
+mod history;
 mod load;
 mod settings;
 mod state;
@@ -43,6 +44,8 @@ mod _fakir {
     use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
     #[pymodule_export]
     use super::friction::{FittedFriction, LateralData, fit_friction};
+    #[pymodule_export]
+    use super::history::history;
     #[pymodule_export]
     use super::state::{
         Critical, Cycle, State, approach, check_points, compare, cycle, gradient, press,

@@ -374,8 +374,13 @@ pub(crate) fn verify_surface(
 }
 
 impl Surface {
+    /// The system.
+    pub(crate) fn system(&self) -> &SurfaceSystem {
+        &self.system
+    }
+
     /// The case file it was read from, if any.
-    pub(crate) fn case_file(&self) -> Option<&CaseFile> {
+    pub(crate) fn file(&self) -> Option<&CaseFile> {
         self.file.as_ref()
     }
 

@@ -6,7 +6,9 @@ use crate::record::{
     surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
-use fakir::problem::{Feature, Load, Question, Solver, SurfaceSystem, Unsupported};
+use fakir::problem::{
+    Feature, InvalidProtocol, Load, Question, Solver, SurfaceSystem, Unsupported,
+};
 use fakir::state::{
     AsperityContact, Contact, ContactState, Critical, CriticalState, FlatContact, Run, Solution,
     SolveError, SurfaceContact, SurfaceTransition,
@@ -103,6 +105,15 @@ pub enum ApproachError {
     /// Several ends are given.
     #[error("a loading has one end: give one of until, to and to_force")]
     Ends,
+    /// A rate of one quantity up to a load of another.
+    #[error(
+        "a rate of the indentation, such as 1 um/s, ends at an indentation (to), a rate of the force, such as 10 uN/s, at a force (to_force), \
+         and both may end at the critical state"
+    )]
+    Rate,
+    /// A protocol that cannot be followed.
+    #[error(transparent)]
+    Protocol(InvalidProtocol),
     /// A length or force must be greater than 0.
     #[error("{name} must be greater than 0")]
     NotPositive {
@@ -173,6 +184,20 @@ pub trait Loadable {
     /// An indentation below which nothing is touched, m.
     fn first_touch(&self) -> f64;
 
+    /// Refuses a history of viscoelastic bodies that is not supported.
+    ///
+    /// # Errors
+    /// [`SolveError::Unsupported`] with adhesion.
+    fn check_history(&self) -> Result<(), SolveError> {
+        Ok(())
+    }
+
+    /// Accuracy of the elastic curve for histories of viscoelastic bodies: the tolerance of forces, relative to the largest, and the largest
+    /// number of contacts.
+    fn curve_accuracy(&self) -> (f64, usize) {
+        (2e-4, 40)
+    }
+
     /// The numbers of a state.
     fn state(&self, state: LoadingState<&Self::Contact>) -> Record;
 
@@ -208,6 +233,11 @@ impl Loadable for Case {
 
     fn first_touch(&self) -> f64 {
         self.system.first_touch().min(self.system.pillar().height)
+    }
+
+    fn check_history(&self) -> Result<(), SolveError> {
+        let features = Feature::of(&self.system);
+        Ok(Question::Hold.check(self.method.into(), &features)?)
     }
 
     fn state(&self, state: LoadingState<&ContactState>) -> Record {
@@ -246,6 +276,11 @@ impl Loadable for SurfaceSystem {
 
     fn first_touch(&self) -> f64 {
         0.0
+    }
+
+    // Contacts change by whole cells, and take seconds.
+    fn curve_accuracy(&self) -> (f64, usize) {
+        (2e-3, 14)
     }
 
     fn state(&self, state: LoadingState<&SurfaceContact>) -> Record {
@@ -326,6 +361,18 @@ impl Loadable for FlatCase {
 
     fn first_touch(&self) -> f64 {
         0.0
+    }
+
+    fn check_history(&self) -> Result<(), SolveError> {
+        if self.system.adhesion().is_none() {
+            return Ok(());
+        }
+        Ok(Question::Hold.check(Solver::Flat, &[Feature::AdhesiveTops])?)
+    }
+
+    // Closed forms, or an integral equation on layers.
+    fn curve_accuracy(&self) -> (f64, usize) {
+        (1e-8, 60)
     }
 
     fn state(&self, state: LoadingState<&FlatContact>) -> Record {
@@ -468,7 +515,7 @@ pub fn approach<P: Loadable>(
 }
 
 /// Text of a warning about a state of the loading.
-fn at(indentation: f64, text: &str) -> String {
+pub(crate) fn at(indentation: f64, text: &str) -> String {
     format!(
         "at an indentation of {}: {text}",
         rounded_length(indentation)

@@ -38,6 +38,8 @@ pub enum Topic {
     Asperities,
     /// An interaction that does not change the normal contact, by its [name](fakir::problem::Interactions::names).
     Interaction(&'static str),
+    /// Viscoelastic bodies over time.
+    Viscoelastic,
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -247,6 +249,7 @@ fn escaped(text: &str) -> String {
             'ö' => escaped.push_str("{\\\"o}"),
             'ä' => escaped.push_str("{\\\"a}"),
             'ú' => escaped.push_str("{\\'u}"),
+            'ß' => escaped.push_str("{\\ss}"),
             '&' => escaped.push_str("\\&"),
             other => escaped.push(other),
         }
@@ -313,6 +316,7 @@ impl Topic {
             Self::Flat => vec!["flat"],
             Self::Asperities => vec!["rounded_tops"],
             Self::Interaction(name) => vec![name],
+            Self::Viscoelastic => vec!["viscoelastic"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };

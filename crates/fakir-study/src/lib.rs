@@ -50,6 +50,7 @@ mod exact;
 pub mod fields;
 pub mod figures;
 mod folder;
+pub mod history;
 mod journal;
 mod names;
 pub mod numbers;

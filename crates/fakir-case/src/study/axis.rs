@@ -52,7 +52,7 @@ impl Variable {
         match self {
             Self::Key(key) => match key.kind() {
                 Kind::Number(dimension) => Some(dimension),
-                Kind::Word | Kind::Text => None,
+                Kind::Word | Kind::Text | Kind::List(_) => None,
             },
             Self::Indentation => Some(Dimension::Length),
             Self::Force => Some(Dimension::Force),

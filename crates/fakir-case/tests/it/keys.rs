@@ -75,7 +75,7 @@ fn refusal(key: Key, value: f64) -> Option<CaseError> {
             Kind::Number(Dimension::Length) => file.set_number(other, 1e-3),
             Kind::Number(Dimension::Pressure) => file.set_number(other, 1e9),
             Kind::Number(_) => file.set_number(other, 0.3),
-            Kind::Word | Kind::Text => {}
+            Kind::Word | Kind::Text | Kind::List(_) => {}
         }
     }
     file.set_number(key, value);
@@ -191,6 +191,7 @@ fn si_unit(key: Key) -> &'static str {
         Dimension::EnergyPerArea => "J/m2",
         Dimension::Stiffness => "N/m",
         Dimension::Angle => "rad",
+        Dimension::Time => "s",
         Dimension::Fraction | Dimension::Number => "",
     }
 }

@@ -10,6 +10,7 @@ mod fits;
 mod flat;
 mod friction;
 mod heights;
+mod hold;
 mod installed;
 mod pattern_only;
 mod recorded;

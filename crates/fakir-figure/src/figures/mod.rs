@@ -12,6 +12,7 @@ pub(crate) mod flat;
 pub(crate) mod floor_gap_map;
 pub(crate) mod floor_pressure_map;
 pub(crate) mod histogram;
+pub(crate) mod history;
 pub(crate) mod lateral_force;
 pub(crate) mod lattice_sums;
 pub(crate) mod lines;

@@ -144,6 +144,11 @@ pub(super) trait Found<K: Kind> {
     /// Description of the question.
     fn question(&self) -> String;
 
+    /// Topics to cite in addition to those of the case.
+    fn topics(&self) -> Vec<Topic> {
+        Vec::new()
+    }
+
     /// The numbers: one record, or one for every state of a loading.
     fn records(&self, case: &K) -> Vec<Record>;
 

@@ -20,6 +20,7 @@ mod contact;
 mod cycle;
 mod flat;
 mod height_map;
+mod history;
 mod kind;
 mod loading;
 mod pillars;
@@ -178,6 +179,7 @@ fn solve<K: Kind>(
         Request::Contact(load) => contact::contact(case, *load, details, &running.run),
         Request::Loading(path) => loading::loading(case, path, running),
         Request::Cycle(plan) => case.cycle(*plan, running),
+        Request::History(plan) => history::history_of(case, plan, running),
     }
 }
 
@@ -217,12 +219,8 @@ impl<K: Kind> Answered for Solved<'_, K> {
             details: &self.details,
             wall_time: self.wall_time,
         };
-        let provenance = Provenance::new(
-            found.question(),
-            case.method(),
-            &topics(case, self.details.range),
-            case.text(),
-        );
+        let topics = [topics(case, self.details.range), found.topics()].concat();
+        let provenance = Provenance::new(found.question(), case.method(), &topics, case.text());
         let mut warnings = found.warnings(&of, running)?;
         let saved = match self.details.maps {
             Maps::None => Saved::default(),

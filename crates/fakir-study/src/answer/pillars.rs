@@ -69,7 +69,7 @@ impl Kind for Case {
                 Maps::Points(Some(points)) => Ok(FieldMap::check_memory([points; 2], run)?),
                 _ => Ok(()),
             },
-            Request::Cycle(_) | Request::Loading(_) => Ok(()),
+            Request::Cycle(_) | Request::Loading(_) | Request::History(_) => Ok(()),
         }
     }
 

@@ -1,12 +1,13 @@
 //! Questions on a case, options of the output, and errors.
 
 use crate::approach::{ApproachError, LoadingPath};
+use crate::history::HistoryPlan;
 use fakir::problem::{CyclePlan, Load};
 use fakir::state::{Run, SolveError};
 use fakir_case::CaseError;
 
 /// A question about one case.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Request {
     /// The contact at a load, or the critical state.
     Contact(Load),
@@ -14,6 +15,8 @@ pub enum Request {
     Loading(LoadingPath),
     /// Loading and unloading with adhesion.
     Cycle(CyclePlan),
+    /// The contact of viscoelastic bodies over time.
+    History(HistoryPlan),
 }
 
 /// Options of the output in addition to the numbers.

@@ -2,6 +2,7 @@
 
 use super::asperities::AsperityAnswer;
 use super::flat::FlatAnswer;
+use super::history::{HistoryAnswer, HistoryRow};
 use super::loading::LoadingState;
 use super::named::{Entry, Kind, Recorded};
 use super::surface::SurfaceAnswer;
@@ -31,7 +32,12 @@ impl Kind {
     pub fn is_a_row(self) -> bool {
         matches!(
             self,
-            Self::Loading | Self::SurfaceLoading | Self::AsperityLoading | Self::FlatLoading
+            Self::Loading
+                | Self::SurfaceLoading
+                | Self::AsperityLoading
+                | Self::FlatLoading
+                | Self::HistoryState
+                | Self::HistoryEvent
         )
     }
 
@@ -59,6 +65,9 @@ impl Kind {
                 Kind::FlatPress => of::<FlatAnswer<'_>>(),
                 Kind::FlatCycle => of::<fakir::state::FlatCycle>(),
                 Kind::FlatLoading => of::<LoadingState<FlatAnswer<'_>>>(),
+                Kind::History => of::<HistoryAnswer<'_>>(),
+                Kind::HistoryState => of::<HistoryRow<'_>>(),
+                Kind::HistoryEvent => of::<fakir::state::HistoryEvent>(),
             })
         });
         &ALL[self as usize]

@@ -71,7 +71,7 @@ pub struct Entry {
 }
 
 /// How units are written at the end of a path, and the units. The longer ones come first.
-const UNITS: [(&str, &str); 7] = [
+const UNITS: [(&str, &str); 8] = [
     ("_J_per_m2", "J/m^2"),
     ("_N_per_m", "N/m"),
     ("_Pa", "Pa"),
@@ -79,6 +79,7 @@ const UNITS: [(&str, &str); 7] = [
     ("_m", "m"),
     ("_N", "N"),
     ("_J", "J"),
+    ("_s", "s"),
 ];
 
 /// A number of answers of one type.
@@ -356,6 +357,12 @@ kinds! {
     FlatCycle = "flat_cycle", "A cycle with a flat surface";
     /// A state of a loading of a flat surface.
     FlatLoading = "flat_loading", "A state of a loading of a flat surface";
+    /// The contact of viscoelastic bodies over time.
+    History = "history", "A contact over time";
+    /// A state of it.
+    HistoryState = "history_state", "A state of a contact over time";
+    /// An event of it.
+    HistoryEvent = "history_event", "An event of a contact over time";
 }
 
 impl Type {

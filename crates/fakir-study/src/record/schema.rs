@@ -37,7 +37,7 @@ fn table(kind: Kind) -> String {
     lines.join("\n")
 }
 
-/// The JSON Schema (draft 7) of `--json` and `summary.json` of `press`, `transition` and `approach`, for every kind of surface, and of `cycle`: one definition a kind.
+/// The JSON Schema (draft 7) of `--json` and `summary.json` of `press`, `transition`, `approach` and `hold`, for every kind of surface, and of `cycle`: one definition a kind.
 #[must_use]
 pub fn schema() -> Value {
     let mut definitions: Map<String, Value> = Kind::ALL
@@ -62,10 +62,17 @@ fn definition(name: &str) -> Value {
     json!({"$ref": format!("#/definitions/{name}")})
 }
 
+/// Whether it is a part of a history.
+fn of_history(kind: Kind) -> bool {
+    matches!(kind, Kind::HistoryState | Kind::HistoryEvent)
+}
+
 /// A loading: its states, and the critical state if there is one.
 fn approach() -> Value {
     let of = |kind: Kind| definition(kind.name());
-    let states = Kind::ALL.into_iter().filter(|kind| kind.is_a_row());
+    let states = Kind::ALL
+        .into_iter()
+        .filter(|kind| kind.is_a_row() && !of_history(*kind));
     let states: Vec<Value> = states.map(of).collect();
     let critical = [
         of(Kind::Transition),
@@ -121,8 +128,8 @@ fn of_kind(kind: Kind) -> Value {
         ("floor", json!({"type": "object"})),
         ("case_warnings", words.clone()),
     ];
-    let limits =
-        (kind != Kind::AsperityPress).then(|| ("limits", json!({"type": "array", "items": limit})));
+    let limits = (kind != Kind::AsperityPress && kind != Kind::History)
+        .then(|| ("limits", json!({"type": "array", "items": limit})));
     let rows = json!({"type": "array", "items": {"type": "object"}});
     let of_cycle = [
         ("stations", rows.clone()),
@@ -130,7 +137,22 @@ fn of_kind(kind: Kind) -> Value {
         ("warnings", words.clone()),
     ];
     let of_cycle = of_cycle.into_iter().filter(|_| kind == Kind::Cycle);
-    let required = limits.into_iter().chain(of_cycle).chain(always);
+    let parts = |kind: Kind| json!({"type": "array", "items": definition(kind.name())});
+    let with_states = [
+        ("events", parts(Kind::HistoryEvent)),
+        ("states", parts(Kind::HistoryState)),
+        ("warnings", words.clone()),
+    ];
+    let with_states = with_states.into_iter().filter(|_| kind == Kind::History);
+    if kind == Kind::History {
+        // Method, indenter and surface, which depend on the kind of surface.
+        object["additionalProperties"] = json!(true);
+    }
+    let required = limits
+        .into_iter()
+        .chain(of_cycle)
+        .chain(with_states)
+        .chain(always);
     for (name, value) in required {
         if let Some(names) = object["required"].as_array_mut() {
             names.push(name.into());

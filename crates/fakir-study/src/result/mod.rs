@@ -8,6 +8,7 @@ mod approach;
 mod asperities;
 mod compare;
 mod cycle;
+mod history;
 mod pillars;
 mod sweep;
 mod theory;
@@ -18,6 +19,8 @@ pub use approach::{ApproachSummary, approach_table};
 pub use asperities::{asperity_pillars, asperity_warnings, left_out_words};
 pub use compare::{CompareSummary, MethodRow};
 pub use cycle::{CycleSummary, EventRow, FloorRow, LoadStepRow, cycle_warnings};
+pub use history::HistorySummary;
+pub(crate) use history::csv_of;
 pub use pillars::{pillars, pillars_of};
 pub use sweep::SweepSummary;
 pub use theory::{

@@ -427,6 +427,9 @@ fn values(key: Key, is_given: bool, folder: &Path) -> Vec<Option<String>> {
         (Kind::Text, Key::LensProfile) => named("other_profile.csv"),
         (Kind::Text, Key::HeightMap) => named("other_map.txt"),
         (Kind::Text, _) => vec![Some("other".to_owned())],
+        // One of the two alone is refused; both have their effect on histories, which other tests compare.
+        (Kind::List(_), Key::RelaxationTimes) => vec![Some("[\"20 s\"]".to_owned())],
+        (Kind::List(_), _) => vec![Some("[1.5]".to_owned())],
     }
 }
 

@@ -141,10 +141,11 @@ impl Relaxation {
 
     /// The terms with those of equal times joined.
     pub(crate) fn distinct(&self) -> Vec<RelaxationTerm> {
+        // In order of time, so that a time that is not larger is equal.
         let mut joined: Vec<RelaxationTerm> = Vec::with_capacity(self.terms.len());
         for term in &self.terms {
             match joined.last_mut() {
-                Some(last) if last.time == term.time => last.strength += term.strength,
+                Some(last) if last.time >= term.time => last.strength += term.strength,
                 _ => joined.push(*term),
             }
         }

@@ -4,15 +4,7 @@ use crate::numerics::roots::{self, Point};
 use crate::state::ElasticSample;
 
 /// Smallest distance from first touch that is sampled, relative to the whole range: below it the curve is a power law.
-const STARTS: [f64; 7] = [
-    1.0 / 256.0,
-    1.0 / 64.0,
-    1.0 / 16.0,
-    0.25,
-    0.5,
-    0.75,
-    1.0,
-];
+const STARTS: [f64; 7] = [1.0 / 256.0, 1.0 / 64.0, 1.0 / 16.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Ratio of two distances from first touch above which the interval is divided at their geometric mean.
 const WIDE: f64 = 2.0;
@@ -295,10 +287,7 @@ impl Cubic {
             if before * after <= 0.0 {
                 return 0.0;
             }
-            let [low, high] = [
-                rows[k][0] - rows[k - 1][0],
-                rows[k + 1][0] - rows[k][0],
-            ];
+            let [low, high] = [rows[k][0] - rows[k - 1][0], rows[k + 1][0] - rows[k][0]];
             let weights = [low + 2.0 * high, 2.0 * low + high];
             (weights[0] + weights[1]) / (weights[0] / before + weights[1] / after)
         });

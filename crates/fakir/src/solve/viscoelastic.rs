@@ -176,11 +176,7 @@ impl<'a> Body<'a> {
             };
             let times = self.division(segment.duration, steps);
             for pair in times.windows(2) {
-                let part = |t: f64| match segment.duration {
-                    0.0 => 1.0,
-                    duration => t / duration,
-                };
-                let value = |t: f64| from + part(t) * (segment.to - from);
+                let value = |t: f64| from + t / segment.duration * (segment.to - from);
                 let ends = [time + pair[0], time + pair[1]];
                 let values = if segment.duration > 0.0 {
                     [value(pair[0]), value(pair[1])]
@@ -193,7 +189,7 @@ impl<'a> Body<'a> {
                     None => {
                         match self.grow(&mut growing, segment.prescribed, ends, values) {
                             None => {
-                                solved.push(self.state_of(&growing), self);
+                                solved.push_grown(self, &growing);
                                 continue;
                             }
                             Some(end) => {
@@ -208,7 +204,7 @@ impl<'a> Body<'a> {
                                         [values[0], middle],
                                     );
                                     if ended.is_none() {
-                                        solved.push(self.state_of(&growing), self);
+                                        solved.push_grown(self, &growing);
                                     }
                                 }
                                 bed.insert(Bed::new(self, &growing, steps))
@@ -229,12 +225,12 @@ impl<'a> Body<'a> {
 
     /// Times from 0 to a duration: fine at the beginning, where the memories change fastest, and fine everywhere.
     fn division(&self, duration: f64, steps: usize) -> Vec<f64> {
-        if duration == 0.0 {
+        if duration <= 0.0 {
             return vec![0.0, 0.0];
         }
         let first = FIRST_STEP * self.shortest;
         let half = steps.div_ceil(2);
-        let growth = (1.0 + duration / first).ln();
+        let growth = (duration / first).ln_1p();
         let part = |k: usize| k as f64 / half as f64;
         let even = (0..=half).map(|k| duration * part(k));
         let fine = (1..half).map(|k| first * (growth * part(k)).exp_m1());
@@ -295,7 +291,11 @@ impl<'a> Body<'a> {
                         _ => Some(times[0]),
                     };
                 }
-                let begin = if is_step { growing.indentation } else { self.curve.indentation_at(begin) };
+                let begin = if is_step {
+                    growing.indentation
+                } else {
+                    self.curve.indentation_at(begin)
+                };
                 Part {
                     times,
                     levels: [begin, self.curve.indentation_at(end)],
@@ -344,10 +344,9 @@ impl<'a> Body<'a> {
         growing.time = times[1];
         growing.force = match prescribed {
             Prescribed::Force => values[1],
-            Prescribed::Indentation => self.stress(
-                self.curve.force_at(growing.indentation),
-                &growing.memory[0],
-            ),
+            Prescribed::Indentation => {
+                self.stress(self.curve.force_at(growing.indentation), &growing.memory[0])
+            }
         };
         growing.parts.push(part);
         None
@@ -434,13 +433,7 @@ impl<'a> Body<'a> {
     }
 
     /// `J * dF`: the elastic force of the contact under a force that changes linearly.
-    fn strain_of_force(
-        &self,
-        times: [f64; 2],
-        values: [f64; 2],
-        before: &[f64],
-        time: f64,
-    ) -> f64 {
+    fn strain_of_force(&self, times: [f64; 2], values: [f64; 2], before: &[f64], time: f64) -> f64 {
         let width = times[1] - times[0];
         let force = if width > 0.0 {
             values[0] + (values[1] - values[0]) * (time - times[0]) / width
@@ -517,12 +510,7 @@ impl<'a> Body<'a> {
             .events
             .iter()
             .find(|event| event.kind == HistoryEventKind::FloorContact);
-        let reached = reached.map(|event| match &solved.grown {
-            Some(growing) => self
-                .critical
-                .map_or(event.time, |critical| self.time_of(growing, critical)),
-            None => event.time,
-        });
+        let reached = reached.map(|event| event.time);
         let later = || self.floor_contact_while_held(protocol, &solved, &equilibrium);
         History {
             time_to_floor_contact: reached.or_else(later),
@@ -613,9 +601,9 @@ impl<'a> Body<'a> {
         equilibrium: &HistoryState,
     ) -> Option<f64> {
         if let [step, hold] = protocol.segments()
-            && step.duration == 0.0
+            && step.duration <= 0.0
             && hold.prescribed == step.prescribed
-            && hold.to == step.to
+            && (hold.to - step.to).abs() <= 0.0
         {
             // In closed form.
             return match hold.prescribed {
@@ -631,8 +619,7 @@ impl<'a> Body<'a> {
         }
         let is_near = |state: &HistoryState| {
             let near = |value: f64, end: f64| (value - end).abs() <= SETTLED * end.abs();
-            near(state.force, equilibrium.force)
-                && near(state.indentation, equilibrium.indentation)
+            near(state.force, equilibrium.force) && near(state.indentation, equilibrium.indentation)
         };
         let states = solved.states.iter().rev();
         let near = states.take_while(|state| is_near(state)).last()?;
@@ -665,6 +652,18 @@ impl<'a> Body<'a> {
 }
 
 impl Solved {
+    /// Adds a state of growing contact. The time at which the floor is reached is exact.
+    fn push_grown(&mut self, body: &Body<'_>, growing: &Growing) {
+        let known = self.events.len();
+        self.push(body.state_of(growing), body);
+        for event in &mut self.events[known..] {
+            if let (HistoryEventKind::FloorContact, Some(critical)) = (event.kind, body.critical) {
+                event.time = body.time_of(growing, critical);
+                event.indentation = critical;
+            }
+        }
+    }
+
     /// Adds a state, and the events since the one before.
     fn push(&mut self, state: HistoryState, body: &Body<'_>) {
         let before = self.states[self.states.len() - 1];
@@ -672,10 +671,10 @@ impl Solved {
         let mut found: Vec<(f64, HistoryEventKind)> = Vec::new();
         let [from, to] = [before.contact_indentation, state.contact_indentation];
         let part_at = |level: f64| {
-            if to == from {
-                1.0
-            } else {
+            if (to - from).abs() > 0.0 {
                 (level - from) / (to - from)
+            } else {
+                1.0
             }
         };
         let rounding = ROUNDING * (body.curve.last() - first);
@@ -686,7 +685,13 @@ impl Solved {
             } else {
                 0.0
             };
-            found.push((approach, Kind::FirstContact));
+            let has_left = self.events.iter().any(|it| it.kind == Kind::Detachment);
+            let kind = if has_left {
+                Kind::Recontact
+            } else {
+                Kind::FirstContact
+            };
+            found.push((approach, kind));
         }
         if let Some(critical) = body.critical {
             if from < critical && to >= critical {
@@ -698,7 +703,7 @@ impl Solved {
         }
         let turned = self.events.iter().rev().find_map(|event| match event.kind {
             Kind::LargestContact => Some(true),
-            Kind::FirstContact | Kind::SmallestContact => Some(false),
+            Kind::FirstContact | Kind::Recontact | Kind::SmallestContact => Some(false),
             _ => None,
         });
         let recedes = turned.unwrap_or(false);
@@ -741,7 +746,10 @@ impl Solved {
             let same = |it: &&HistoryState| {
                 it.by == state.by && (it.time - state.time).abs() <= 1e-9 * state.time
             };
-            while fine.peek().is_some_and(|it| !same(it) && it.time <= state.time) {
+            while fine
+                .peek()
+                .is_some_and(|it| !same(it) && it.time <= state.time)
+            {
                 fine.next();
             }
             let Some(same) = fine.peek().filter(|it| same(it)) else {
@@ -835,7 +843,9 @@ impl Bed {
         let off = |front: f64| {
             let evolved = moved.with_front(front);
             match prescribed {
-                Prescribed::Force => evolved.force(body, &|level| body.curve.force_at(level)) - value,
+                Prescribed::Force => {
+                    evolved.force(body, &|level| body.curve.force_at(level)) - value
+                }
                 Prescribed::Indentation => evolved.indentation(body) - value,
             }
         };

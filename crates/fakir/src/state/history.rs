@@ -59,6 +59,8 @@ pub struct HistoryState {
 pub enum HistoryEventKind {
     /// The lens touches the surface.
     FirstContact,
+    /// The lens touches the surface again, which it had left.
+    Recontact,
     /// The lens reaches the floor.
     FloorContact,
     /// The contact begins to recede.
@@ -77,6 +79,7 @@ impl HistoryEventKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::FirstContact => "first contact",
+            Self::Recontact => "contact again",
             Self::FloorContact => "floor contact",
             Self::LargestContact => "largest contact",
             Self::SmallestContact => "smallest contact",

@@ -61,7 +61,7 @@ pub trait Contact: Solution {
     /// Estimated relative error of the force.
     fn force_error(&self) -> f64;
     /// A point of the elastic loading curve.
-    fn sample(&self) -> ElasticSample {
+    fn elastic_sample(&self) -> ElasticSample {
         ElasticSample {
             indentation: self.indentation(),
             force: self.force(),
