@@ -1424,11 +1424,11 @@ mod tests {
     #[test]
     fn a_plate_has_a_pull_off_force_after_a_load() {
         let mut file = paper(0.02);
+        file.set_number(Key::Pitch, 20e-3);
         for given in [
             "adhesion.work=50mJ/m2",
             "pattern.columns=2",
             "lens.shape=plate",
-            "pattern.pitch=20mm",
         ] {
             file.set(given).unwrap();
         }
@@ -1439,9 +1439,9 @@ mod tests {
         let load = Load::Indentation(0.1e-6);
         let wanted = Wanted::PullOff { force, load };
         let candidate = found(&file, Key::PillarDiameter, wanted);
-        // The neighbours change it by 2 a/(pi s).
+        // Forces grow with the power 3/2 of the diameter, and are met to a tenth of their numerical error of 3 %.
         let off = candidate.value / diameter - 1.0;
-        assert!(off.abs() < 1e-3, "{off:e}");
+        assert!(off.abs() < 2.5e-3, "{off:e}");
         let refused = design(
             &file,
             Key::PillarDiameter,

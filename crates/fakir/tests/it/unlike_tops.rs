@@ -140,9 +140,11 @@ fn one_elastic_pillar_pulls_as_a_flat_punch() {
             assert!((depth * stiffness / force - 1.0).abs() < 1e-12, "{depth}");
             if drive == LoadingMode::Displacement {
                 let expected = 2.0 * (1.0 + system.column_compliance_ratio()) * WORK * PI * 9e-12;
-                let error = found.loop_area / expected - 1.0;
-                assert!(error.abs() < 1e-9, "{error:e}");
-                assert!((found.loop_area / (0.5 * force * depth) - 1.0).abs() < 1e-9);
+                // Up to the overshoot past the event.
+                for expected in [expected, 0.5 * force * depth] {
+                    let error = found.loop_area / expected - 1.0;
+                    assert!(error.abs() < 1e-6, "{error:e}");
+                }
             }
             // The stress at the corner of a real pillar is another.
             let pillars = &found.pull_off.as_ref().unwrap().pillars;
@@ -179,8 +181,8 @@ fn corners_are_stated_as_an_error_of_the_model() {
     assert!(flat > 0.0 && flat < 0.8 * equal, "{flat} {equal}");
 }
 
-/// Forces of the pull-off of a dense array under a plate: on a stiff substrate elastic pillars are rigid, and the softer they are, the more
-/// equally they carry, up to the sum of single ones.
+/// Forces at the pull-off of a dense array under a plate: on a stiff substrate elastic pillars are rigid, and the softer they are, the more
+/// equal are the loads, and the closer is the pull-off force to the sum of those of single pillars.
 #[test]
 fn arrays_of_elastic_pillars_are_between_rigid_and_equally_loaded_ones() {
     let array = |compliance, height: f64, substrate: f64| {
@@ -193,20 +195,32 @@ fn arrays_of_elastic_pillars_are_between_rigid_and_equally_loaded_ones() {
         let system = system.with_adhesion(Adhesion::new(WORK)).unwrap();
         let found = cycle(&system, to(1e-7));
         closes(&found);
-        pull_off(&found) / (16.0 * kendall(&system, 6e-6))
+        let pillars = &found.pull_off.as_ref().unwrap().pillars;
+        let forces = pillars.iter().map(|pillar| pillar.force);
+        let least = forces.clone().fold(f64::INFINITY, f64::min);
+        let most = forces.fold(f64::NEG_INFINITY, f64::max);
+        assert_eq!(pillars.len(), 16);
+        let ratio = pull_off(&found) / (16.0 * kendall(&system, 6e-6));
+        [ratio, most / least]
     };
     let stiff = 1e6 * INTERMEDIATE;
-    let [rigid, elastic] = [PillarCompliance::None, ELASTIC].map(|like| array(like, 2.2e-6, stiff));
+    let [rigid, elastic] =
+        [PillarCompliance::None, ELASTIC].map(|like| array(like, 2.2e-6, stiff)[0]);
     assert!((elastic / rigid - 1.0).abs() < 1e-4, "{elastic} {rigid}");
     let heights = [0.12e-6, 2.2e-6, 10e-6, 30e-6].map(|h| array(ELASTIC, h, INTERMEDIATE));
     println!("{rigid} {heights:?}");
     // The flattest are 0.02 diameters high.
-    assert!((heights[0] / array(PillarCompliance::None, 0.12e-6, INTERMEDIATE) - 1.0).abs() < 0.03);
-    assert!(heights.windows(2).all(|pair| pair[1] > pair[0]));
-    assert!(heights[3] < 1.0);
-    // Columns of any compliance: each of a thousand diameters is a hundred times softer than the substrate below.
-    let equal = array(COLUMN, 6e-3, INTERMEDIATE);
-    assert!((equal - 1.0).abs() < 5e-3, "{equal}");
+    let [low, _] = array(PillarCompliance::None, 0.12e-6, INTERMEDIATE);
+    assert!((heights[0][0] / low - 1.0).abs() < 0.03);
+    for pair in heights.windows(2) {
+        assert!((0..2).all(|k| pair[1][k] > pair[0][k]));
+    }
+    assert!(heights[3][0] > 0.95 && heights[3][0] < 1.0 && heights[3][1] > 0.9);
+    // Columns of a thousand diameters are a hundred times softer than the substrate below: the loads are equal, but the rims of tops that do
+    // not tilt are still loaded unevenly.
+    let [ratio, share] = array(COLUMN, 6e-3, INTERMEDIATE);
+    println!("{ratio} {share}");
+    assert!(share > 0.99 && ratio < heights[3][0], "{ratio} {share}");
 }
 
 /// Lengths times `s`, moduli times `m`, works times `m s`: forces times `m s^2`, energies times `m s^3`.
@@ -393,7 +407,8 @@ fn the_common_pillar_does_not_matter_to_a_contact_inside_a_top() {
         let one = list([([0.0; 2], 30e-6, 120e-6)]);
         let system = adhesive(sphere(), common, one, 0.001);
         let found = cycle(&system, to(0.5e-6));
-        closes(&found);
+        // The force is interpolated linearly between the steps of the radius.
+        assert!(found.certificate().unwrap() < 0.01);
         let inside = found.stations.iter().map(|it| it.contact_area);
         let most = inside.fold(0.0, f64::max);
         assert!(most < 0.9 * PI * 60e-6 * 60e-6, "{most}");
