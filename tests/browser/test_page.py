@@ -155,10 +155,10 @@ def test_one_file_works_from_a_disk_without_a_network(explore_at):
 
 def test_the_first_picture_needs_no_module(explore_at, static, capsys):
     """Time from the begin of the document to its first picture, and to the first answer of the module."""
-    begin = "document.addEventListener('picture', () => { globalThis.first ??= performance.now(); });"
-    times = [explore_at(static, before=begin).page.evaluate("() => globalThis.first") for _ in range(5)]
+    begin = "document.addEventListener('picture', () => { globalThis.firstPicture ??= performance.now(); });"
+    times = [explore_at(static, before=begin).page.evaluate("() => globalThis.firstPicture") for _ in range(5)]
     page = explore_at(f"{static}#{'&'.join(paper(0.03))}", before=begin)
-    answer = page.page.evaluate("() => globalThis.first")
+    answer = page.page.evaluate("() => globalThis.firstPicture")
     with capsys.disabled():
         print(f"\nfirst picture {statistics.median(times):.0f} ms; first answer of the module {answer:.0f} ms")
     strict = 1 if "STRICT_LATENCY" in os.environ else 10
