@@ -3,6 +3,7 @@
 The folder of the page is in the environment variable PAGE; `cargo xtask page` builds it.
 """
 
+import math
 import os
 import random
 import statistics
@@ -68,6 +69,9 @@ def differences(one, other, where=""):
         assert one.keys() == other.keys(), where
         for key in one.keys() - {"wall_time_s"}:
             yield from differences(one[key], other[key], f"{where}.{key}")
+    elif where.endswith(("floor_contact_m", "bottom_contact_m")):
+        # Rounding decides which of the symmetric copies of a point is found.
+        yield from differences(math.hypot(*one), math.hypot(*other), f"{where} from the axis")
     elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other):
         # Parts of a list are compared relative to the largest: heights in a section pass through zero.
         numbers = [x for x in one if isinstance(x, float)]
@@ -113,7 +117,7 @@ def test_twenty_random_cases_agree(explore_at, static, server):
             {name: part for line in lines for name, part in line.items() if name in ("critical", "summary", "section", "refused")}
             for lines in (found, expected)
         ]
-        assert list(differences(*final)) == [], question
+        assert [f"{number}: {found}" for found in differences(*final)] == [], question
         assert final[0].keys() >= {"critical", "section"} or "refused" in final[0]
 
 
@@ -189,13 +193,13 @@ def test_a_link_opens_on_another_address(explore_at, static, server):
 
 
 def test_a_computation_is_cancelled_by_ending_its_worker(explore_at, static):
-    page = explore_at(f"{static}#{'&'.join(paper(0.1))}")
-    page.enter("adhesion.work", "5 mJ/m2")
-    page.page.evaluate("() => { document.getElementById('adhesion-floor').click(); }")
-    page.enter("adhesion.work", "")
+    """Tops and floor at a surface fraction of 0.2 take many seconds; a newer question does not wait for them."""
+    page = explore_at(f"{static}#{'&'.join([*paper(0.2), 'load=1.5'])}", rests=False)
+    page.until("document.getElementById('force-value').textContent !== '–'")
     start = time.monotonic()
     page.enter("pattern.surface_fraction", "0.01")
     assert time.monotonic() - start < 10
+    assert "spectral, solved in" in page.text("status")
     assert page.page.locator("#problem").is_hidden()
 
 
