@@ -2,7 +2,7 @@
 
 import { drawChart, extremes } from "./charts.js";
 import { Refused } from "./engine.js";
-import { engineeringText, significant, withPrefixes } from "./numbers.js";
+import { engineeringText, significant, withPrefixes, write } from "./numbers.js";
 import { byId } from "./screen.js";
 import { isAdhesive } from "./store.js";
 
@@ -100,7 +100,7 @@ export function measure(store, engine) {
  */
 export function drawMeasured(state) {
   const { measured, contactPoint, dataWords } = state;
-  byId("data-words").textContent = dataWords;
+  write(byId("data-words"), dataWords);
   byId("data").hidden = measured === null;
   if (measured === null) return;
   byId("contact-point-box").hidden = measured.position !== "displacement";
