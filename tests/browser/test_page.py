@@ -243,6 +243,55 @@ def test_a_worker_that_fails_is_started_again(explore_at, static):
     assert page.page.locator("#problem").is_hidden()
 
 
+@pytest.mark.parametrize("engine", ["static", "server"])
+def test_a_measured_curve_is_drawn_and_fitted(explore_at, static, server, engine, tmp_path):
+    """The curve is that of the page for 2 MPa, 1 um further; the fit begins at 2.2 MPa."""
+    page = explore_at({"static": static, "server": server}[engine] + "#" + "&".join(paper(0.01)))
+    page.until("document.querySelectorAll('#loading path.path').length > 0 && document.getElementById('curves-status').textContent === ''")
+    page.page.click("summary")
+    with page.page.expect_download() as saved:
+        page.page.click("[data-shown='loading.csv']")
+    rows = [row.split(",") for row in Path(saved.value.path()).read_text().splitlines() if row.startswith("path,")]
+    curve = tmp_path / "curve.csv"
+    curve.write_text("displacement_m,force_N\n" + "".join(f"{float(x) + 1e-6},{y}\n" for _, x, y in rows))
+    page.page.keyboard.press("Escape")
+    page.page.set_input_files("#curve-file", str(curve))
+    page.until("document.getElementById('data-words').textContent.includes('displacement')")
+    assert page.page.locator("#loading circle.measured").count() == len(rows)
+    page.enter("substrate.young_modulus", "2.2 MPa")
+    page.page.click("#fit")
+    page.until("document.getElementById('data-words').textContent.includes('fitted in')", 60)
+    page.rest()
+    modulus, unit = page.page.input_value("#substrate-young_modulus").split()
+    assert unit == "MPa" and float(modulus) == pytest.approx(2, rel=1e-3)
+    number, unit = page.text("contact-point-words").split()
+    assert unit == "µm" and float(number) == pytest.approx(1, rel=1e-2)
+    picture = tmp_path / "picture.png"
+    picture.write_bytes(b"\x89PNG\r\n")
+    page.page.set_input_files("#curve-file", str(picture))
+    page.until("document.getElementById('data-words').textContent.includes('picture.png')")
+    assert page.page.locator("#data").is_hidden()
+
+
+@pytest.mark.parametrize("engine", ["static", "server"])
+def test_changes_are_undone_and_redone(explore_at, static, server, engine):
+    page = explore_at({"static": static, "server": server}[engine])
+    fraction = "document.getElementById('pattern-surface_fraction').value"
+    for value in ("0.02", "0.03"):
+        page.enter("pattern.surface_fraction", value)
+        page.until(f"location.hash.includes('surface_fraction={value}&')")
+    page.page.click("#undo")
+    page.until(f"{fraction} === '0.02'")
+    page.page.go_back()
+    page.until(f"{fraction} === '0.1'")
+    assert page.page.is_disabled("#undo")
+    page.page.click("#redo")
+    page.until(f"{fraction} === '0.02'")
+    page.page.click("#reset")
+    page.until(f"{fraction} === '0.1'")
+    page.until("!document.getElementById('undo').disabled && document.getElementById('redo').disabled")
+
+
 def test_licences_are_beside_the_module():
     text = (Path(PAGE) / "licences.txt").read_text()
     for library in ("rustfft", "rayon", "serde", "Roboto"):
