@@ -204,7 +204,7 @@ function show(store) {
   );
   const residuals = byId("residuals");
   screen.add(
-    (state) => [state.measured, state.contactPoint, state.dataWords, state.phase, state.cycle],
+    (state) => [state.measured, state.contactPoint, state.dataWords, state.phase, state.cycle, state.answered, state.fitted],
     drawMeasured,
     [residuals],
   );

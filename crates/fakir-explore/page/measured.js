@@ -2,7 +2,7 @@
 
 import { drawChart, extremes } from "./charts.js";
 import { Refused } from "./engine.js";
-import { engineeringText, significant, withPrefixes } from "./numbers.js";
+import { engineeringText, significant, withPrefixes, write } from "./numbers.js";
 import { byId } from "./screen.js";
 import { isAdhesive } from "./store.js";
 
@@ -57,11 +57,19 @@ export function measure(store, engine) {
   };
   /** @param {Fitted} fitted */
   const take = (fitted) => {
-    store.setData({ fitted, contactPoint: fitted.contact_point_m, dataWords: wordsOf(fitted) });
     const values = { ...store.state.chosen.case };
-    for (const { name, is_key, value } of fitted.estimates) if (is_key) values[name] = value;
+    for (const { name, is_key, value } of fitted.estimates) if (is_key) values[name] = Number(value.toPrecision(6));
     store.choose({ case: values }, performance.now());
+    store.setData({ fitted, contactPoint: fitted.contact_point_m, dataWords: wordsOf(fitted) });
   };
+  // Residuals of a fit belong to the fitted case.
+  let shown = store.state.chosen.case;
+  store.listen(() => {
+    const { chosen, fitted } = store.state;
+    if (chosen.case === shown) return;
+    shown = chosen.case;
+    if (fitted !== null) store.setData({ fitted: null });
+  });
   const input = byId("curve-file", HTMLInputElement);
   byId("open-curve").addEventListener("click", () => input.click());
   input.addEventListener("change", () => {
@@ -100,7 +108,7 @@ export function measure(store, engine) {
  */
 export function drawMeasured(state) {
   const { measured, contactPoint, dataWords } = state;
-  byId("data-words").textContent = dataWords;
+  write(byId("data-words"), dataWords);
   byId("data").hidden = measured === null;
   if (measured === null) return;
   byId("contact-point-box").hidden = measured.position !== "displacement";
@@ -116,7 +124,7 @@ export function drawMeasured(state) {
   const [from, to] = extremes(residuals.map(([x]) => x));
   drawChart(
     byId("residuals", SVGSVGElement),
-    { xLabel: "indentation ζ", xDimension: "length", yLabel: "measured − computed", yDimension: "force", linear: true },
+    { xLabel: "indentation ζ", xDimension: "length", yLabel: "ΔF", yDimension: "force", linear: true },
     {
       x: [Math.min(0, from), to + 0.02 * (to - from)],
       y: [-1.1 * most, 1.1 * most],
@@ -140,12 +148,19 @@ export function measuredPlaces({ measured, contactPoint }) {
 }
 
 /**
- * Measured minus computed force, between the computed states.
+ * Measured minus computed force: those of the fit, or else from the computed loading, between whose states the force is
+ * interpolated as a power of the indentation.
  * @param {State} state
  * @returns {Place[]}
  */
 function residualsOf(state) {
-  const { critical, cycle, phase, chosen, measured } = state;
+  const { answered, critical, cycle, fitted, phase, chosen, measured, question } = state;
+  if (fitted !== null && measured !== null) {
+    const shift = measured.position === "displacement" ? fitted.contact_point_m : 0;
+    return fitted.residuals.map(([at, force]) => [at - shift, force]);
+  }
+  // A loading with gaps would show differences that are none.
+  if (!isAdhesive(chosen.case) && answered.phase?.of.name !== question.name) return [];
   /** @type {Place[]} */
   const model = isAdhesive(chosen.case)
     ? (cycle?.is.solved?.summary.stations ?? [])
@@ -163,8 +178,10 @@ function residualsOf(state) {
     const next = model.findIndex(([at]) => at >= x);
     const [right, left] = [model[next], model[next - 1]];
     if (right === undefined || left === undefined) return [];
-    const part = (x - left[0]) / (right[0] - left[0] || 1);
-    return [/** @type {Place} */ ([x, force - (left[1] + part * (right[1] - left[1]))])];
+    const isPower = Math.min(left[0], left[1]) > 0;
+    const part = isPower ? Math.log(x / left[0]) / Math.log(right[0] / left[0]) : (x - left[0]) / (right[0] - left[0]);
+    const computed = isPower ? left[1] * (right[1] / left[1]) ** part : left[1] + part * (right[1] - left[1]);
+    return Number.isFinite(computed) ? [/** @type {Place} */ ([x, force - computed])] : [];
   });
 }
 

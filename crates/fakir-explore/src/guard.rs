@@ -84,7 +84,8 @@ impl Guard {
         };
         if !self.token.is(given.as_bytes()) {
             return forbidden(
-                "this is not the address that fakir printed: it changes whenever fakir starts",
+                "this is not the address that fakir printed: it changes whenever fakir starts. To open a link, append its part \
+                 from # on to the new address",
             );
         }
         Ok(())
