@@ -100,6 +100,10 @@ pub(crate) fn key_schema(key: Key) -> Value {
         }
         (Kind::Number(dimension), _) => quantity_schema(dimension, key.bounds(), key.judged_by()),
         (Kind::Word, _) => accepted_words(key, &key.words()),
+        (Kind::List(dimension), _) => json!({
+            "type": "array",
+            "items": quantity_schema(dimension, key.bounds(), key.judged_by()),
+        }),
         (Kind::Text, _) => json!({"type": "string"}),
     };
     if key.range() == Some(Range::NotZero) {

@@ -48,7 +48,7 @@ fn keys() -> Vec<Value> {
                 "meaning": key.summary(),
                 "dimension": match key.kind() {
                     Kind::Number(dimension) => Some(dimension.noun()),
-                    Kind::Word | Kind::Text => None,
+                    Kind::Word | Kind::Text | Kind::List(_) => None,
                 },
                 "least": bound(lower),
                 "greatest": bound(upper),

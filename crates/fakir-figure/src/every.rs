@@ -4,9 +4,9 @@ use crate::samples::{self, system};
 use crate::{
     Axis, CriticalColumn, CriticalCurve, CriticalPoint, CriticalStateCurve, CriticalStatePoint,
     DesignedCurve, DesignedQuantity, DesignedValues, Figure, FittedCurve, FittedLoad,
-    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, HistoryPoint, LateralModel,
-    LateralPoint, LineChart, LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve, PullOffPoint,
-    Series, Style, SurfaceState, Text, View,
+    FittedParameter, FittedPoint, FittedQuantity, FittedValue, Histogram, HistoryPoint,
+    LateralModel, LateralPoint, LineChart, LoadingPoint, PhaseDiagram, ProfileState, PullOffCurve,
+    PullOffPoint, Series, Style, SurfaceState, Text, View,
 };
 use fakir::problem::pattern::{Pattern, PillarShape};
 use fakir::problem::{
