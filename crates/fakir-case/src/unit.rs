@@ -674,6 +674,10 @@ mod tests {
             ("mN/m", 1e-3),
             ("deg", std::f64::consts::PI / 180.0),
             ("rad", 1.0),
+            ("s", 1.0),
+            ("ms", 1e-3),
+            ("min", 60.0),
+            ("h", 3600.0),
             ("%", 1e-2),
         ];
         for unit in UNITS.into_iter().chain(FURTHER_UNITS) {
