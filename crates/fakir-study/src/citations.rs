@@ -36,6 +36,8 @@ pub enum Topic {
     Flat,
     /// Rounded pillar tops.
     Asperities,
+    /// Adhesion of rounded pillar tops.
+    AdhesiveAsperities,
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -102,7 +104,10 @@ impl Topic {
             periodic: surface.boundary == Boundary::Periodic,
             random: surface.is_random,
         });
-        let adhesion = study.has_adhesion().then_some(Self::Adhesion);
+        let adhesion = study.has_adhesion().then_some(match study.surface_kind() {
+            SurfaceKind::Asperities => Self::AdhesiveAsperities,
+            _ => Self::Adhesion,
+        });
         let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         let of_kind = match study.surface_kind() {
@@ -302,6 +307,7 @@ impl Topic {
             Self::Layers => vec!["layers"],
             Self::Flat => vec!["flat"],
             Self::Asperities => vec!["rounded_tops"],
+            Self::AdhesiveAsperities => vec!["adhesive_rounded_tops"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
@@ -403,6 +409,7 @@ mod tests {
                 Topic::Layers,
                 Topic::Flat,
                 Topic::Asperities,
+                Topic::AdhesiveAsperities,
                 Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),

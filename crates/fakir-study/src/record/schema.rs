@@ -121,8 +121,13 @@ fn of_kind(kind: Kind) -> Value {
         ("floor", json!({"type": "object"})),
         ("case_warnings", words.clone()),
     ];
-    let limits =
-        (kind != Kind::AsperityPress).then(|| ("limits", json!({"type": "array", "items": limit})));
+    // Those of rounded tops are computed if the range of the attraction is given.
+    let of_asperities = matches!(kind, Kind::AsperityPress | Kind::AsperityCycle);
+    let limits = json!({"type": "array", "items": limit});
+    let (limits, with_range) = match of_asperities {
+        true => (None, Some(("limits", limits))),
+        false => (Some(("limits", limits)), None),
+    };
     let rows = json!({"type": "array", "items": {"type": "object"}});
     let of_cycle = [
         ("stations", rows.clone()),
@@ -137,7 +142,7 @@ fn of_kind(kind: Kind) -> Value {
         }
         object["properties"][name] = value;
     }
-    for (name, value) in sometimes {
+    for (name, value) in sometimes.into_iter().chain(with_range) {
         if object["properties"][name].is_null() {
             object["properties"][name] = value;
         }

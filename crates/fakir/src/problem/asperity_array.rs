@@ -1,5 +1,6 @@
 //! Pillars with rounded tops.
 
+use super::adhesion::Adhesion;
 use super::lens::{Lens, Material};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -63,6 +64,7 @@ pub struct AsperityArray {
     indenter: Indenter,
     substrate: Material,
     asperities: Vec<Asperity>,
+    adhesion: Adhesion,
 }
 
 /// The reason why an array of asperities is invalid.
@@ -136,7 +138,36 @@ impl AsperityArray {
             indenter,
             substrate,
             asperities,
+            adhesion: Adhesion::NONE,
         })
+    }
+
+    /// The same array with adhesion of the tops. [`Adhesion::floor`] has no meaning here.
+    ///
+    /// # Errors
+    /// Works of adhesion must be zero or positive, and the receding one at least the other.
+    pub fn with_adhesion(self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            adhesion: adhesion.checked()?,
+            ..self
+        })
+    }
+
+    /// The adhesion of the tops.
+    #[must_use]
+    pub fn adhesion(&self) -> Adhesion {
+        self.adhesion
+    }
+
+    /// Tabor number of an attraction of this range `h_0` (m) on the asperity with the largest one, `(R w^2/E*^2)^(1/3)/h_0`, with the receding
+    /// work of adhesion.
+    #[must_use]
+    pub fn tabor_number(&self, range: f64) -> f64 {
+        let elastic = self.adhesion.receding() / self.reduced_modulus();
+        let radii = self.asperities.iter().map(|asperity| asperity.top_radius);
+        let radius = radii.fold(0.0, f64::max);
+        let curvature = radius.recip() + self.lens_radius().recip();
+        (elastic * elastic / curvature).cbrt() / range
     }
 
     /// The body that is pressed onto the asperities.

@@ -449,9 +449,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
-        "adhesion of rounded pillar tops is not supported",
-        "leave out the works of adhesion, or the radius of curvature of the tops",
+        &[ADHESIVE_FLOOR],
+        "floor contact is not computed under rounded tops, so that the floor cannot be adhesive",
+        "use adhesion of the tops only",
     ),
     rule(
         ANY,
@@ -489,20 +489,6 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
-        &[Question::AttractionRange],
-        ASPERITIES,
-        &[],
-        "the range of the attraction applies to adhesive tops, and rounded tops are not adhesive",
-        "leave it out",
-    ),
-    rule(
-        &[Question::Limits],
-        ASPERITIES,
-        &[],
-        "validity limits are not available for rounded tops",
-        "leave them out: a warning reports wide contacts",
-    ),
-    rule(
         &[Question::Fields],
         ASPERITIES,
         &[],
@@ -522,7 +508,6 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[
-            Question::Cycle,
             Question::Verify,
             Question::Theory,
             Question::Compare,
@@ -534,7 +519,7 @@ static RULES: &[Rule] = &[
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `approach`, `sweep` and `design --free heights` support rounded tops",
+        "leave out the radius of curvature of the tops; `press`, `approach`, `cycle`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(
