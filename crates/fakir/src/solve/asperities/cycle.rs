@@ -154,11 +154,26 @@ impl Driven {
             best = best.max(value(place));
             last = *place;
         }
-        self.leaves |= jump.is_some();
-        if let Some((from, _)) = jump {
+        if let Some((from, skipped)) = jump {
+            // The path ends without contact: a machine stops where the force is zero, under a prescribed force the lens leaves.
             let first = self.places.last().map_or(0, |place| place.changes);
+            let mut landed = from[0];
+            if driver.indentation > 0.0 && last.touched == 0 {
+                landed = sign * best;
+                let [of_line, tensile] = straight([from, [landed, 0.0]]);
+                self.work += of_line;
+                self.tension += tensile;
+                self.dissipated += of_line - skipped;
+                self.places.push(Place {
+                    indentation: landed,
+                    segment: None,
+                    ..last
+                });
+            } else {
+                self.leaves = true;
+            }
             for change in &mut changes[first..last.changes] {
-                (change.indentation, change.force) = (from[0], 0.0);
+                (change.indentation, change.force) = (landed, 0.0);
             }
         }
     }
@@ -259,7 +274,7 @@ impl AsperityArray {
         let (loading, unloading) = path.places.split_at(turned);
         driven.add(loading, driver, &mut changes);
         let zero_load = zero_load(&driven.places);
-        let loaded = driven.places.len();
+        driven.tension = 0.0;
         driven.add(unloading, driver, &mut changes);
         let lowest = path.lowest.take();
         let pull_off = match &lowest {
@@ -277,11 +292,8 @@ impl AsperityArray {
         let closed = plan.retract && termination == Termination::Converged && !driven.leaves;
         let dissipation: f64 = path.jumps.iter().map(|jump| jump.dissipated).sum();
         let energy = bench.units.energy();
-        let separation = match (plan.retract, driven.leaves) {
-            (false, _) => None,
-            (true, true) => driven.places.last().map(|place| place.indentation),
-            (true, false) => unloading.last().map(|place| place.indentation),
-        };
+        let ends = driven.places.last().map(|place| place.indentation);
+        let separation = ends.filter(|_| plan.retract);
         run.report(Progress {
             stage: Stage::ErrorEstimate,
             step: 0,
@@ -291,7 +303,7 @@ impl AsperityArray {
         let mut turn = turn;
         let mut errors = AsperityCycleErrors::default();
         if termination == Termination::Converged {
-            turn.error = bench.errors_of(&turn, &at_turn, target, run)?;
+            turn.error = bench.errors_of(&turn, target, run)?;
             errors = bench.cycle_errors(&path, lowest.as_ref().map(|(it, _)| it), accuracy, run)?;
         }
         let mut cycle = AsperityCycle {
@@ -320,7 +332,6 @@ impl AsperityArray {
         if let Some(balance) = cycle.certificate() {
             cycle.errors.loop_area += balance;
         }
-        debug_assert!(loaded <= cycle.load_steps.len());
         Ok(cycle)
     }
 }
@@ -402,7 +413,7 @@ impl Bench {
         let low = degree(accuracy);
         let coarse = &*path.equations;
         let mut fine = Equations::new(&self.layout, low + 2);
-        let more = |contacts| with_modes(contacts, mode_count(low), mode_count(low + 2));
+        let more = |contacts: &Contacts| with_modes(contacts, mode_count(low), mode_count(low + 2));
         let mut errors = AsperityCycleErrors::default();
         if let Some(contacts) = lowest {
             let force = coarse.force(contacts);

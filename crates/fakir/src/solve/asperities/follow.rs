@@ -21,7 +21,7 @@ use crate::state::{Branch, Run, SolveError};
 use std::f64::consts::PI;
 
 /// Largest change of the logarithm of a radius in a step, and the smallest one before the path is given up.
-const STRIDE: f64 = 0.1;
+const STRIDE: f64 = 0.05;
 const SHORTEST: f64 = 1e-7;
 
 /// Relative accuracy of the radius at which a contact begins or ends.
@@ -108,23 +108,25 @@ pub(crate) enum Stop {
 }
 
 impl Stop {
-    /// How far a state is beyond a load that is not an indentation.
+    /// How far a state is beyond the load; none without a load.
     fn beyond(self, here: &Here) -> Option<f64> {
         let indentation = here.settled.contacts.indentation;
         match self {
+            Self::Indentation(end) => Some(indentation - end),
             Self::Force(force) => Some(here.force - force),
             Self::Machine { compliance, value } => {
                 Some(indentation + compliance * here.force - value)
             }
-            Self::Indentation(_) | Self::Apart => None,
+            Self::Apart => None,
         }
     }
 
     fn aim(self) -> Option<Aim> {
         match self {
+            Self::Indentation(end) => Some(Aim::Load(Prescribed::Indentation(end))),
             Self::Force(force) => Some(Aim::Load(Prescribed::Force(force))),
             Self::Machine { compliance, value } => Some(Aim::Machine { compliance, value }),
-            Self::Indentation(_) | Self::Apart => None,
+            Self::Apart => None,
         }
     }
 }
@@ -302,7 +304,8 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             Stop::Indentation(end) => direction * (end - contacts.indentation),
             Stop::Force(_) | Stop::Machine { .. } | Stop::Apart => f64::INFINITY,
         };
-        if left <= 0.0 {
+        let is_beyond = stop.beyond(&self.here).is_some_and(|beyond| beyond >= 0.0);
+        if self.branch == Branch::Loading && is_beyond {
             return Ok(true);
         }
         let (measure, change, last) = match self.here.rates.fastest {
@@ -352,7 +355,8 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             Err(error) => return Err(error),
         };
         let alike = next.is_held_as(&self.here);
-        let back = direction * (next.settled.contacts.indentation - contacts.indentation) < 0.0;
+        let here = self.here.settled.contacts.indentation;
+        let back = direction * (next.settled.contacts.indentation - here) < 0.0;
         if !alike && back {
             // A contact that reaches or leaves its rim while another is lost: the step is repeated with half its length.
             self.stride *= 0.5;
@@ -368,10 +372,22 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             next,
             end: if last { Event::End } else { Event::None },
         };
-        if alike && step.next.rates.negative != self.here.rates.negative {
+        // Contacts that become unstable together may leave the sign of the determinant.
+        let turns = match measure {
+            Measure::Radius(disc) => {
+                let place = disc * modes + 2;
+                let rates = [&self.here, &step.next].map(|here| here.rates.lowering[place]);
+                rates[0].signum() != rates[1].signum()
+            }
+            Measure::Indentation => false,
+        };
+        let unstable = step.next.rates.negative != self.here.rates.negative;
+        if alike && (unstable || turns || back) {
             step = self.until_unstable(step)?;
         }
-        step = self.until_touched(step)?;
+        let Some(mut step) = self.until_touched(step)? else {
+            return self.snap_in().map(|()| false);
+        };
         let ends = [&self.here, &step.next].map(|here| stop.beyond(here));
         if self.branch == Branch::Loading
             && let [Some(before), Some(after)] = ends
@@ -465,21 +481,17 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         here.rates.fastest.map_or(0, |(disc, _)| disc)
     }
 
-    /// Shortens a step that ends beyond the first touch of another asperity.
-    fn until_touched(&mut self, step: Step) -> Result<Step, Ended> {
+    /// Shortens a step that ends beyond the first touch of another asperity; none if it is touched where the step begins.
+    fn until_touched(&mut self, step: Step) -> Result<Option<Step>, Ended> {
         let overlap = |here: &Here| self.equations.largest_overlap(&here.settled.contacts);
         let [before, after] = [&self.here, &step.next].map(overlap);
         if after <= 0.0 {
-            return Ok(step);
+            return Ok(Some(step));
         }
         let measure = step.measure;
         let tiny = SAME_TOUCH * self.equations.adhesive_overlap();
         if before >= -tiny {
-            // It is touched where the step begins.
-            return Ok(Step {
-                end: Event::Touched,
-                ..step
-            });
+            return Ok(None);
         }
         let place = |here: &Here, value: f64| Point {
             position: measure.of(&here.settled.contacts),
@@ -498,15 +510,15 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             Ok::<_, Ended>(if overlap.abs() < 1e-4 * tiny { 0.0 } else { overlap })
         })?;
         let Some(root) = root else {
-            return Ok(step);
+            return Ok(Some(step));
         };
         let value = root.closest().position;
         let next = self.at(&at(value), measure.aim(value))?;
-        Ok(Step {
+        Ok(Some(Step {
             next,
             end: Event::Touched,
             ..step
-        })
+        }))
     }
 
     /// Takes a part of a step up to the smallest force of an unloading, if it is in the step.
@@ -581,7 +593,9 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         let old = self.here.settled.contacts.clone();
         let number = self.changes.len();
         let tiny = SAME_TOUCH * self.equations.adhesive_overlap();
-        self.touch_all(-tiny)?;
+        // The first one is touched up to rounding errors.
+        let most = self.equations.largest_overlap(&old);
+        self.touch_all(most.min(0.0) - tiny)?;
         self.finish_jump(before, old, None, number);
         Ok(())
     }
