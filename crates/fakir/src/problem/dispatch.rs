@@ -202,6 +202,15 @@ impl Unsupported {
     };
 }
 
+impl Unsupported {
+    /// Cycles of rounded tops with two works of adhesion.
+    pub(crate) const BUT_FOR_ONE_WORK: Self = Self {
+        why: "a cycle of rounded tops supports one work of adhesion, and here that of breaking contact is larger",
+        instead: "leave out the receding work of adhesion; its value as the work of adhesion gives the pull-off force",
+        with: &[ADHESIVE_TOPS],
+    };
+}
+
 /// A row with one of the common reasons.
 const fn line(asked: &'static [Question], of: &'static [Solver], reason: Unsupported) -> Rule {
     Rule { asked, of, reason }

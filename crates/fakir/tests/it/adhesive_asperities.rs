@@ -366,4 +366,10 @@ fn cycles_without_adhesion_or_end_are_refused() {
     assert_eq!(refused(&plain, plan), SolveError::NoAdhesion);
     let adhesive = array(f64::INFINITY, 1e-3, &[([0.0, 0.0], 100.0, 0.0)]);
     assert_eq!(refused(&adhesive, plan), SolveError::NoFloor);
+    let two = Adhesion {
+        work_receding: Some(2e-3 * UM),
+        ..adhesive.adhesion()
+    };
+    let two = adhesive.with_adhesion(two).expect("two works");
+    assert!(matches!(refused(&two, plan), SolveError::Unsupported(_)));
 }

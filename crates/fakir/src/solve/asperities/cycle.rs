@@ -222,11 +222,7 @@ impl AsperityArray {
             return Err(SolveError::NoAdhesion);
         }
         if adhesion.receding() > adhesion.work {
-            return Err(SolveError::Unsupported(Unsupported {
-                why: "a work of adhesion that differs where contact is broken is not supported with rounded tops",
-                instead: "give the same work of adhesion for making and breaking contact",
-                with: &[],
-            }));
+            return Err(SolveError::Unsupported(Unsupported::BUT_FOR_ONE_WORK));
         }
         let bench = Bench::new(self);
         let plan = bench.checked_plan(plan)?;
