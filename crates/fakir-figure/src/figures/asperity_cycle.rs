@@ -47,7 +47,9 @@ pub fn asperity_cycle_curve(cycle: &AsperityCycle) -> Result<Figure, FigureError
         };
         BRANCHES.map(of_branch).to_vec()
     };
-    let mut series = branches(true, &|step| [across.of(step.indentation), force.of(step.force)]);
+    let mut series = branches(true, &|step| {
+        [across.of(step.indentation), force.of(step.force)]
+    });
     let marks = |tint, marker| Style {
         tint,
         line: None,

@@ -271,7 +271,10 @@ impl Found<AsperityCase> for AsperityCycle {
         _: &Running<'_>,
     ) -> Result<Saved, AnswerError> {
         let mut files = vec![
-            csv("cycle.csv", self.load_steps.iter().map(AsperityStepRow::from)),
+            csv(
+                "cycle.csv",
+                self.load_steps.iter().map(AsperityStepRow::from),
+            ),
             csv("events.csv", self.events.iter().map(AsperityEventRow::from)),
         ];
         if let Some(pull_off) = &self.pull_off {
@@ -292,7 +295,9 @@ impl Found<AsperityCase> for AsperityCycle {
 fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
     let mut list = QuantityList::default();
     let remark = |error: f64| alone(&error_remark(error));
-    let first = cycle.first_contact.and_then(|place| cycle.load_steps.get(place));
+    let first = cycle
+        .first_contact
+        .and_then(|place| cycle.load_steps.get(place));
     if let Some(step) = first {
         list.length("first contact", step.indentation, String::new())
             .quantity(
@@ -416,7 +421,9 @@ fn changes(cycle: &AsperityCycle) -> Vec<Change> {
 
 fn change_columns() -> Vec<Column<Change>> {
     vec![
-        Column::text("changes of contact", |change: &Change| change.name.to_owned()),
+        Column::text("changes of contact", |change: &Change| {
+            change.name.to_owned()
+        }),
         Column::right("loading", |change| change.loading.to_string()),
         Column::right("unloading", |change| change.unloading.to_string()),
     ]

@@ -45,7 +45,9 @@ impl<'a> AsperityAnswer<'a> {
         let tensile = tensile.filter(|asperity| asperity.force < 0.0 && asperity.radius > 0.0);
         let modulus = self.field.reduced_modulus();
         let lifted: f64 = tensile
-            .map(|asperity| -2.0 * asperity.force / (std::f64::consts::PI * modulus * asperity.radius))
+            .map(|asperity| {
+                -2.0 * asperity.force / (std::f64::consts::PI * modulus * asperity.radius)
+            })
             .sum();
         self.contact.indentation + lifted < self.height
     }
@@ -192,9 +194,7 @@ impl Recorded for AsperityCycle {
 
     fn rows() -> Vec<Named<Self>> {
         let pull_off = |path, meaning, of: fn(&AsperityContact) -> f64| {
-            Named::number_if_any(path, meaning, move |it: &Self| {
-                it.pull_off.as_ref().map(of)
-            })
+            Named::number_if_any(path, meaning, move |it: &Self| it.pull_off.as_ref().map(of))
         };
         let mut rows = vec![
             Named::word("method", "`spectral`", |_: &Self| Some("spectral")),

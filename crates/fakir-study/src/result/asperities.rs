@@ -175,6 +175,11 @@ impl From<&AsperityEvent> for AsperityEventRow {
 pub fn asperity_cycle_warnings(case: &AsperityCase, cycle: &AsperityCycle) -> Vec<String> {
     let mut words = warnings_of(&[], cycle.termination, cycle.unresolved());
     let of_turn = asperity_warnings(AsperityAnswer::of(case, &cycle.turn));
-    words.extend(of_turn.into_iter().filter(|it| !words.contains(it)).collect::<Vec<_>>());
+    words.extend(
+        of_turn
+            .into_iter()
+            .filter(|it| !words.contains(it))
+            .collect::<Vec<_>>(),
+    );
     words
 }

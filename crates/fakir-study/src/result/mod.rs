@@ -36,8 +36,8 @@ use crate::output::File;
 use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};
 use fakir::problem::{AsperityArray, FlatSystem, Load};
 use fakir::state::{
-    AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact, SurfaceTransition,
-    Termination, Unresolved, Warning,
+    AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact,
+    SurfaceTransition, Termination, Unresolved, Warning,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;

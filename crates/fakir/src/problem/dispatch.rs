@@ -498,6 +498,13 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
+        &[Question::Limits],
+        ASPERITIES,
+        &[],
+        "validity limits are not available for rounded tops",
+        "leave them out: a warning reports wide contacts",
+    ),
+    rule(
         &[Question::Fields],
         ASPERITIES,
         &[],

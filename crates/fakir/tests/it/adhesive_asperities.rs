@@ -100,7 +100,8 @@ fn one_asperity_is_that_of_johnson_kendall_and_roberts() {
         let error = contact.error.expect("an estimate");
         assert!(error.force < 1e-8 && error.area < 1e-8, "{error:?}");
         // The stiffness is dF/db over d(indentation)/db.
-        let slope = |k: usize| (jkr(radius, work, b + 1e-4)[k] - jkr(radius, work, b - 1e-4)[k]) / 2e-4;
+        let slope =
+            |k: usize| (jkr(radius, work, b + 1e-4)[k] - jkr(radius, work, b - 1e-4)[k]) / 2e-4;
         let stiffness = slope(1) / slope(0) * FORCE / UM;
         close(contact.slopes.force_with_indentation, stiffness, 1e-7);
         let back = press(&array, Load::Force(contact.force));
@@ -124,7 +125,12 @@ fn the_pull_off_of_one_asperity() {
     ] {
         let cycle = cycle(&array, up_to(0.5), drive);
         let found = cycle.pull_off.as_ref().expect("tension");
-        println!("{drive:?} {:?} {} {:?}", cycle.errors, cycle.load_steps.len(), cycle.certificate());
+        println!(
+            "{drive:?} {:?} {} {:?}",
+            cycle.errors,
+            cycle.load_steps.len(),
+            cycle.certificate()
+        );
         // A sphere of radius 300 differs from a paraboloid by (b/R)^2.
         close(found.force, pull_off, 2e-3);
         assert_eq!(cycle.events.len(), 2);
@@ -165,7 +171,13 @@ fn the_pull_off_under_a_plate_is_exact() {
     let work_between = |from: f64, to: f64| -> f64 {
         let sum: f64 = (0..steps)
             .map(|k| {
-                let at = |part: f64| jkr(radius, work, from + (to - from) * (f64::from(k) + part) / f64::from(steps));
+                let at = |part: f64| {
+                    jkr(
+                        radius,
+                        work,
+                        from + (to - from) * (f64::from(k) + part) / f64::from(steps),
+                    )
+                };
                 at(0.5)[1] * (at(1.0)[0] - at(0.0)[0])
             })
             .sum();
@@ -218,7 +230,11 @@ fn tops_far_apart_are_independent() {
     for (event, height) in released.iter().zip([-0.35, -0.1, 0.0]) {
         assert!((event.indentation / UM - (ends - height)).abs() < 1e-6);
     }
-    assert!(cycle.certificate().expect("closed") < 1e-5, "{:?}", cycle.certificate());
+    assert!(
+        cycle.certificate().expect("closed") < 1e-5,
+        "{:?}",
+        cycle.certificate()
+    );
 }
 
 /// Seven tops with symmetric interactions: contacts begin and end by symmetry, and the balance of energy holds.
@@ -229,12 +245,25 @@ fn seven_tops_are_symmetric_and_conserve_energy() {
         let angle = PI / 3.0 * f64::from(k);
         ([40.0 * angle.cos(), 40.0 * angle.sin()], 100.0, 0.0)
     });
-    let places: Vec<_> = std::iter::once(([0.0, 0.0], 100.0, 0.0)).chain(around).collect();
+    let places: Vec<_> = std::iter::once(([0.0, 0.0], 100.0, 0.0))
+        .chain(around)
+        .collect();
     let array = array(f64::INFINITY, work, &places);
     let cycle = cycle(&array, up_to(0.8), LoadingMode::Displacement);
-    println!("{:?} {:?} {}", cycle.errors, cycle.certificate(), cycle.load_steps.len());
+    println!(
+        "{:?} {:?} {}",
+        cycle.errors,
+        cycle.certificate(),
+        cycle.load_steps.len()
+    );
     for event in &cycle.events {
-        println!("{:?} {} {:.6} {:.6}", event.kind, event.asperity, event.indentation / UM, event.radius / UM);
+        println!(
+            "{:?} {} {:.6} {:.6}",
+            event.kind,
+            event.asperity,
+            event.indentation / UM,
+            event.radius / UM
+        );
     }
     let turn = &cycle.turn;
     for k in 2..7 {
@@ -242,7 +271,10 @@ fn seven_tops_are_symmetric_and_conserve_energy() {
     }
     assert!(turn.asperities[0].force < turn.asperities[1].force);
     let balance = cycle.certificate().expect("closed");
-    assert!(balance < 1e-3 && balance <= cycle.errors.loop_area, "{balance}");
+    assert!(
+        balance < 1e-3 && balance <= cycle.errors.loop_area,
+        "{balance}"
+    );
     // Tops that interact as point forces have at most the force of isolated ones at the same indentation of each.
     let pull_off = cycle.pull_off.as_ref().expect("tension").force;
     close(pull_off, -1.5 * PI * work * 100.0 * 7.0 * FORCE, 1e-2);
@@ -255,7 +287,11 @@ fn two_equal_tops_end_contact_together() {
     let places = [([-20.0, 0.0], 100.0, 0.0), ([20.0, 0.0], 100.0, 0.0)];
     let array = array(f64::INFINITY, work, &places);
     let cycle = cycle(&array, up_to(0.5), LoadingMode::Displacement);
-    let events: Vec<_> = cycle.events.iter().map(|it| (it.kind, it.indentation)).collect();
+    let events: Vec<_> = cycle
+        .events
+        .iter()
+        .map(|it| (it.kind, it.indentation))
+        .collect();
     assert_eq!(events.len(), 4);
     assert_eq!(events[0].1, events[1].1);
     assert_eq!(events[2].1, events[3].1);
@@ -265,7 +301,10 @@ fn two_equal_tops_end_contact_together() {
     let raised = force / (PI * 40.0);
     let found = cycle.separation.expect("they detach") / UM;
     // To first order in the interaction, which changes with the radius too.
-    assert!((found - ends - raised).abs() < 0.2 * raised.abs(), "{found} {ends} {raised}");
+    assert!(
+        (found - ends - raised).abs() < 0.2 * raised.abs(),
+        "{found} {ends} {raised}"
+    );
     assert!(cycle.certificate().expect("closed") < 1e-4);
 }
 
@@ -291,7 +330,8 @@ fn limits_and_scaling() {
     let scaled: Vec<Asperity> = places
         .iter()
         .map(|([x, y], radius, raised)| {
-            Asperity::new([2.0 * x * UM, 2.0 * y * UM], 2.0 * radius * UM).raised_by(2.0 * raised * UM)
+            Asperity::new([2.0 * x * UM, 2.0 * y * UM], 2.0 * radius * UM)
+                .raised_by(2.0 * raised * UM)
         })
         .collect();
     let lens = Lens {
@@ -321,21 +361,32 @@ fn columns_add_to_the_indentation() {
         .expect("a work");
     for b in [7.0, 12.0] {
         let [indentation, force] = jkr(radius, work, b);
-        let contact = press(&array, Load::Indentation((indentation + compliance * force) * UM));
+        let contact = press(
+            &array,
+            Load::Indentation((indentation + compliance * force) * UM),
+        );
         close(contact.force, force * FORCE, 1e-8);
     }
     let cycle = cycle(&array, up_to(0.5), LoadingMode::Displacement);
-    close(cycle.pull_off.expect("tension").force, -1.5 * PI * work * radius * FORCE, 1e-9);
+    close(
+        cycle.pull_off.expect("tension").force,
+        -1.5 * PI * work * radius * FORCE,
+        1e-9,
+    );
 }
 
 /// Random heights and curvatures: cycles end, close and balance, and loading agrees with single contacts.
 #[test]
 fn random_arrays_conserve_energy() {
     for seed in 0..4u32 {
-        let random = |k: u32| (f64::from(k * 7919 + seed * 104_729 + 13) * 0.618_033_988_75).fract();
+        let random =
+            |k: u32| (f64::from(k * 7919 + seed * 104_729 + 13) * 0.618_033_988_75).fract();
         let places: Vec<_> = (0..9u32)
             .map(|k| {
-                let place = [f64::from(k % 3) * 40.0 + 5.0 * random(k), f64::from(k / 3) * 40.0 + 5.0 * random(k + 50)];
+                let place = [
+                    f64::from(k % 3) * 40.0 + 5.0 * random(k),
+                    f64::from(k / 3) * 40.0 + 5.0 * random(k + 50),
+                ];
                 (place, 60.0 + 80.0 * random(k + 100), -0.4 * random(k + 150))
             })
             .collect();
@@ -343,14 +394,26 @@ fn random_arrays_conserve_energy() {
         let array = array(radius, 1e-3, &places);
         let cycle = cycle(&array, up_to(0.7), LoadingMode::Displacement);
         let balance = cycle.certificate().expect("closed");
-        println!("{seed}: {} steps, {} events, {balance:.1e}, {:?}", cycle.load_steps.len(), cycle.events.len(), cycle.errors);
+        println!(
+            "{seed}: {} steps, {} events, {balance:.1e}, {:?}",
+            cycle.load_steps.len(),
+            cycle.events.len(),
+            cycle.errors
+        );
         assert!(balance < 1e-3, "{balance}");
-        let begun = cycle.events.iter().filter(|it| it.kind == CycleEventKind::SnapIn).count();
+        let begun = cycle
+            .events
+            .iter()
+            .filter(|it| it.kind == CycleEventKind::SnapIn)
+            .count();
         assert_eq!(2 * begun, cycle.events.len());
         let turn = press(&array, Load::Indentation(0.7 * UM));
         close(cycle.turn.force, turn.force, 1e-10);
         // The force of a step of the loading is that of the contact there.
-        let step = cycle.load_steps.iter().rfind(|it| it.branch == Branch::Loading && it.indentation < 0.5 * UM);
+        let step = cycle
+            .load_steps
+            .iter()
+            .rfind(|it| it.branch == Branch::Loading && it.indentation < 0.5 * UM);
         let step = step.expect("a step");
         let there = press(&array, Load::Indentation(step.indentation));
         assert!((there.force - step.force).abs() < 1e-7 * turn.force.abs());
@@ -362,7 +425,8 @@ fn cycles_without_adhesion_or_end_are_refused() {
     let plain = array(f64::INFINITY, 0.0, &[([0.0, 0.0], 100.0, 0.0)]);
     let plan = CyclePlan::default();
     let run = Run::default();
-    let refused = |array: &AsperityArray, plan| array.cycle(plan, Accuracy::Default, &run).unwrap_err();
+    let refused =
+        |array: &AsperityArray, plan| array.cycle(plan, Accuracy::Default, &run).unwrap_err();
     assert_eq!(refused(&plain, plan), SolveError::NoAdhesion);
     let adhesive = array(f64::INFINITY, 1e-3, &[([0.0, 0.0], 100.0, 0.0)]);
     assert_eq!(refused(&adhesive, plan), SolveError::NoFloor);

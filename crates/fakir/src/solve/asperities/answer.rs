@@ -500,7 +500,10 @@ impl Bench {
         let coarse = Equations::new(&self.layout, degree(contact.accuracy));
         let [force, area] = coarse.shape_errors(&contact.contacts);
         let force = force * self.units.force();
-        let scale = contact.force.abs().max(self.pull_off_scale(&contact.contacts));
+        let scale = contact
+            .force
+            .abs()
+            .max(self.pull_off_scale(&contact.contacts));
         let stiffness = contact.slopes.force_with_indentation;
         let mut errors = AsperityErrors {
             force: (DEGREES * (fine.force - contact.force).abs() + force) / scale,

@@ -131,8 +131,11 @@ impl Driven {
                     let part = place.segment.map_or(1.0, |segment| {
                         crossing([0.0, 1.0], |s| sign * driver.of(segment.at(s)) >= best)
                     });
-                    let landed = place.segment.map_or(point(place), |segment| segment.at(part));
-                    let work = |from, to| place.segment.map_or(0.0, |it: Segment| it.work(from, to));
+                    let landed = place
+                        .segment
+                        .map_or(point(place), |segment| segment.at(part));
+                    let work =
+                        |from, to| place.segment.map_or(0.0, |it: Segment| it.work(from, to));
                     let [of_line, tensile] = straight([from, landed]);
                     self.dissipated += of_line - skipped - work(0.0, part);
                     self.work += of_line + work(part, 1.0);
@@ -248,12 +251,8 @@ impl AsperityArray {
         let at_turn = path.here.settled.contacts.clone();
         let turn = bench.contact_of(path.equations, &path.here, accuracy);
         let target = match plan.turn {
-            UnloadingPoint::Force(_) => Aim::Load(Prescribed::Force(
-                path.here.force,
-            )),
-            _ => Aim::Load(Prescribed::Indentation(
-                at_turn.indentation,
-            )),
+            UnloadingPoint::Force(_) => Aim::Load(Prescribed::Force(path.here.force)),
+            _ => Aim::Load(Prescribed::Indentation(at_turn.indentation)),
         };
         if plan.retract && ended.is_none() {
             // The branch begins where the loading ends.
@@ -310,10 +309,7 @@ impl AsperityArray {
                 .iter()
                 .map(|place| bench.load_step(place))
                 .collect(),
-            events: changes
-                .iter()
-                .map(|change| bench.event(change))
-                .collect(),
+            events: changes.iter().map(|change| bench.event(change)).collect(),
             first_contact: driven.places.iter().position(|place| place.touched > 0),
             zero_load_indentation: zero_load.map(|value| value * bench.units.length),
             turn: turn.checked()?,
@@ -443,9 +439,7 @@ impl Bench {
                     (energy, settled.contacts.indentation)
                 }))
             };
-            let at = |indentation| {
-                Aim::Load(Prescribed::Indentation(indentation))
-            };
+            let at = |indentation| Aim::Load(Prescribed::Indentation(indentation));
             let aim = match jump.unstable {
                 Some(disc) => Aim::Radius {
                     disc,
@@ -469,16 +463,17 @@ impl Bench {
         Ok(errors)
     }
 
-    fn termination(&self, ended: Ended, path: &Path<'_, '_, '_>) -> Result<Termination, SolveError> {
+    fn termination(
+        &self,
+        ended: Ended,
+        path: &Path<'_, '_, '_>,
+    ) -> Result<Termination, SolveError> {
         self.ended(ended, &path.here.settled.contacts, path.here.force)
     }
 }
 
 /// The disc that is closest to losing contact: the smallest one in units of that of an isolated contact without load.
-fn smallest_relative(
-    equations: &Equations<'_>,
-    contacts: &Contacts,
-) -> usize {
+fn smallest_relative(equations: &Equations<'_>, contacts: &Contacts) -> usize {
     let relative = |disc: &Disc| {
         let curvature = equations.layout.summits[disc.asperity].curvature;
         disc.radius * curvature.powf(2.0 / 3.0)

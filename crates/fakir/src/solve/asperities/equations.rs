@@ -48,7 +48,12 @@ impl<'a> Equations<'a> {
 
     /// Degree of the pressure.
     pub(crate) fn degree(&self) -> usize {
-        self.pair.modes().iter().map(|mode| mode.degree).max().unwrap_or(0)
+        self.pair
+            .modes()
+            .iter()
+            .map(|mode| mode.degree)
+            .max()
+            .unwrap_or(0)
     }
 
     /// Number of modes of a disc.

@@ -102,7 +102,10 @@ pub(crate) enum Stop {
     /// Where this force is first reached from below.
     Force(f64),
     /// Where the indentation plus the force times this compliance first reaches a value from below.
-    Machine { compliance: f64, value: f64 },
+    Machine {
+        compliance: f64,
+        value: f64,
+    },
     /// Where all contacts are lost.
     Apart,
 }
@@ -507,7 +510,11 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             let here = self.at(&at(value), measure.aim(value))?;
             let overlap = self.equations.largest_overlap(&here.settled.contacts);
             // Rounding errors of the solution end the search.
-            Ok::<_, Ended>(if overlap.abs() < 1e-4 * tiny { 0.0 } else { overlap })
+            Ok::<_, Ended>(if overlap.abs() < 1e-4 * tiny {
+                0.0
+            } else {
+                overlap
+            })
         })?;
         let Some(root) = root else {
             return Ok(Some(step));
@@ -528,14 +535,16 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         }
         let modes = self.equations.modes();
         let measure = step.measure;
-        let slope =
-            |here: &Here| here.rates.stiffness / measure.rate(&here.rates, modes);
+        let slope = |here: &Here| here.rates.stiffness / measure.rate(&here.rates, modes);
         let place = |here: &Here| Point {
             position: measure.of(&here.settled.contacts),
             value: slope(here),
         };
         let ends = [place(&self.here), place(&step.next)];
-        let known = self.lowest.as_ref().map_or(0.0, |(_, number)| self.places[*number].force);
+        let known = self
+            .lowest
+            .as_ref()
+            .map_or(0.0, |(_, number)| self.places[*number].force);
         let lower = self.here.force.min(step.next.force);
         let turns = self.here.rates.stiffness > 0.0 && ends[0].value * ends[1].value < 0.0;
         if !turns || lower - 0.1 * lower.abs() > known {
@@ -610,7 +619,8 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
                 .map(|asperity| (asperity, -contacts.gaps[asperity]))
                 .filter(|(_, overlap)| *overlap > least)
                 .filter(|(asperity, _)| {
-                    self.equations.is_inside(*asperity, contacts.nearest[*asperity])
+                    self.equations
+                        .is_inside(*asperity, contacts.nearest[*asperity])
                 })
                 .map(|(asperity, overlap)| (asperity, overlap.max(0.0)))
                 .collect();
@@ -648,14 +658,15 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         let modes = self.equations.modes();
         let old = self.here.settled.contacts.clone();
         let indentation = old.indentation;
-        let rate = |k: usize| {
-            (self.here.rates.lowering[k * modes + 2] / old.discs[k].radius).abs()
-        };
+        let rate = |k: usize| (self.here.rates.lowering[k * modes + 2] / old.discs[k].radius).abs();
         let rates: Vec<f64> = (0..old.discs.len()).map(rate).collect();
         let mut order: Vec<usize> = (0..rates.len()).collect();
         order.sort_by(|a, b| rates[*b].total_cmp(&rates[*a]).then(a.cmp(b)));
         let most = rates[disc];
-        let mut count = order.iter().filter(|k| rates[**k] >= TOGETHER * most).count();
+        let mut count = order
+            .iter()
+            .filter(|k| rates[**k] >= TOGETHER * most)
+            .count();
         count = count.max(1);
         let next = loop {
             let lost = &order[..count];
@@ -674,7 +685,9 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
                 Err(error) => return Err(error),
             }
             let last = rates[order[count]];
-            let same = order[count..].iter().take_while(|k| rates[**k] >= TOGETHER * last);
+            let same = order[count..]
+                .iter()
+                .take_while(|k| rates[**k] >= TOGETHER * last);
             count += same.count().max(1);
         };
         for k in &order[..count] {
@@ -701,7 +714,10 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         for (k, change) in self.changes[first..].iter_mut().enumerate() {
             change.force = self.here.force;
             if change.begins {
-                let disc = contacts.discs.iter().find(|disc| disc.asperity == change.asperity);
+                let disc = contacts
+                    .discs
+                    .iter()
+                    .find(|disc| disc.asperity == change.asperity);
                 change.radius = disc.map_or(0.0, |disc| disc.radius);
             }
             if k == 0 {
@@ -770,7 +786,8 @@ impl Segment {
 
     /// Indentation and force.
     pub(crate) fn at(&self, s: f64) -> [f64; 2] {
-        self.cubics().map(|c| c[0] + s * (c[1] + s * (c[2] + s * c[3])))
+        self.cubics()
+            .map(|c| c[0] + s * (c[1] + s * (c[2] + s * c[3])))
     }
 
     /// Work of the force on the lens between two places.
@@ -827,7 +844,9 @@ impl Here {
     fn is_held_as(&self, other: &Self) -> bool {
         let holds = |here: &Self| -> Vec<_> {
             let discs = here.settled.contacts.discs.iter();
-            discs.map(|disc| std::mem::discriminant(&disc.hold)).collect()
+            discs
+                .map(|disc| std::mem::discriminant(&disc.hold))
+                .collect()
         };
         holds(self) == holds(other)
     }
@@ -902,14 +921,16 @@ impl Equations<'_> {
         let size = self.modes();
         let mut load = rule.workspace();
         let discs = contacts.discs.iter();
-        let parts = discs.zip(contacts.moments.chunks_exact(size)).map(|(disc, moments)| {
-            let geometry = (disc.centre, disc.radius);
-            rule.fill(self.layout, disc.asperity, geometry, &mut load);
-            load.value[0] += UNIT_FORCE * contacts.indentation;
-            // The work of adhesion is pi grip^2/2 in units of the modulus.
-            let area = PI * disc.radius * disc.radius;
-            0.5 * dot(&load.value, moments) - 0.5 * PI * disc.grip * disc.grip * area
-        });
+        let parts = discs
+            .zip(contacts.moments.chunks_exact(size))
+            .map(|(disc, moments)| {
+                let geometry = (disc.centre, disc.radius);
+                rule.fill(self.layout, disc.asperity, geometry, &mut load);
+                load.value[0] += UNIT_FORCE * contacts.indentation;
+                // The work of adhesion is pi grip^2/2 in units of the modulus.
+                let area = PI * disc.radius * disc.radius;
+                0.5 * dot(&load.value, moments) - 0.5 * PI * disc.grip * disc.grip * area
+            });
         parts.sum()
     }
 

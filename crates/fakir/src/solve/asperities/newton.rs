@@ -66,9 +66,15 @@ pub(crate) enum Trouble {
 pub(crate) enum Aim {
     Load(Prescribed),
     /// The indentation plus the force times a compliance.
-    Machine { compliance: f64, value: f64 },
+    Machine {
+        compliance: f64,
+        value: f64,
+    },
     /// The radius of a disc that does not fill its top. Along a path with adhesion the indentation is not monotonic, but this radius is.
-    Radius { disc: usize, value: f64 },
+    Radius {
+        disc: usize,
+        value: f64,
+    },
 }
 
 /// Result of a step.
@@ -320,8 +326,8 @@ impl Equations<'_> {
             }
             Aim::Machine { compliance, value } => {
                 let [row, _] = self.rows_of_totals(contacts);
-                let reached = contacts.indentation
-                    + compliance * (self.force(contacts) + dot(&row, &step));
+                let reached =
+                    contacts.indentation + compliance * (self.force(contacts) + dot(&row, &step));
                 (value - reached) / (1.0 + compliance * dot(&row, &lowering))
             }
             Aim::Radius { disc, value } => {
