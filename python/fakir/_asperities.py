@@ -102,7 +102,9 @@ class AsperityArray:
                 raise ValueError(
                     "floor contact is not computed under rounded tops: leave floor=True out"
                 )
-            works = (given.work, given.work_receding)
+            if given.work_receding is not None:
+                raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
+            works = (given.work, None)
         lens, plate, of_substrate = bodies(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')

@@ -242,8 +242,16 @@ impl CaseFile {
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
         let adhesion = self.adhesion(&parts);
-        if adhesion.work_receding.is_some() && self.entry(Key::WorkOfAdhesion).is_none() {
-            return Err(self.missing(Key::WorkOfAdhesion));
+        if adhesion.work_receding.is_some() {
+            return Err(self
+                .problem(
+                    Key::RecedingWorkOfAdhesion,
+                    "rounded pillar tops support one work of adhesion",
+                )
+                .accepted(format!(
+                    "leave it out; as {} it gives the pull-off force",
+                    Key::WorkOfAdhesion
+                )));
         }
         let top_radius = parts.pattern.top_radius;
         let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {

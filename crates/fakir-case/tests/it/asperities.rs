@@ -126,7 +126,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),
-            "adhesion.work: this key is missing",
+            "adhesion.work_receding: rounded pillar tops support one work of adhesion",
         ),
         (
             set("substrate.base_young_modulus=1MPa"),
