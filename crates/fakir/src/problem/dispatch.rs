@@ -203,6 +203,12 @@ impl Unsupported {
 }
 
 impl Unsupported {
+    /// Designed heights of adhesive tops.
+    pub const HEIGHTS_OF_ADHESIVE_TOPS: Self = Self {
+        why: "heights are designed for tops without adhesion: with it the curve jumps where contacts begin",
+        instead: "leave out the work of adhesion, and compute the designed tops with it by `approach`",
+        with: &[ADHESIVE_TOPS],
+    };
     /// Cycles of rounded tops with two works of adhesion.
     pub(crate) const BUT_FOR_ONE_WORK: Self = Self {
         why: "a cycle of rounded tops supports one work of adhesion, and here that of breaking contact is larger",
