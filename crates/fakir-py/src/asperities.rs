@@ -237,10 +237,10 @@ pub(crate) fn press_asperities(
 }
 
 /// Points of a curve: branch, indentation (m), force (N), contact area (m^2) and number of tops in contact.
-type Curve = Vec<(&'static str, f64, f64, f64, usize)>;
+type CycleCurve = Vec<(&'static str, f64, f64, f64, usize)>;
 
 /// Contacts that begin and end: branch, kind, number of the top, indentation (m), force (N) and contact radius (m).
-type Events = Vec<(&'static str, &'static str, usize, f64, f64, f64)>;
+type CycleEvents = Vec<(&'static str, &'static str, usize, f64, f64, f64)>;
 
 /// Loading up to an indentation (m) or a force (N), and optional unloading; a stiffness (N/m) is that of the testing machine.
 #[pyfunction]
@@ -253,7 +253,7 @@ pub(crate) fn cycle_asperities(
     machine_stiffness: Option<f64>,
     retract: bool,
     options: Options,
-) -> PyResult<(Py<Answer>, Curve, Events)> {
+) -> PyResult<(Py<Answer>, CycleCurve, CycleEvents)> {
     let plan = plan(to, to_force, drive, machine_stiffness, retract);
     let case = &tops.case;
     let start = Instant::now();
