@@ -53,7 +53,13 @@ from ._loading import Approach
 from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors, Normalized
 from ._result import Answer, Limit, Result
 from ._problem import problem, read_case
-from ._asperities import AsperityArray, AsperityContact, HeightDesign, design_heights
+from ._asperities import (
+    AsperityArray,
+    AsperityContact,
+    AsperityCycle,
+    HeightDesign,
+    design_heights,
+)
 from ._state import ContactState, CriticalState
 from ._sweep import Sweep, sweep
 from ._system import System
@@ -77,6 +83,7 @@ __all__ = [
     "Approach",
     "AsperityArray",
     "AsperityContact",
+    "AsperityCycle",
     "Candidate",
     "CaseError",
     "Citation",

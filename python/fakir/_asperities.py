@@ -12,10 +12,11 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
+from ._cycle import Adhesion, Drive, checked_plan
 from ._design import SEED
 from ._format import Row, engineering
 from ._history import Viscoelastic
-from ._numbers import AsperityPressNumbers
+from ._numbers import AsperityCycleNumbers, AsperityPressNumbers
 from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
 from ._run import Progress, options, warn
@@ -51,6 +52,8 @@ class AsperityArray(Viscoelastic):
         ``"column"`` if pillars with a diameter shorten under load, ``"none"`` if not.
     accuracy
         ``"default"``, or ``"accurate"``: a pressure of degree 2 on each contact, or of degree 4.
+    adhesion
+        An `Adhesion`, or the work of adhesion (J/m^2), of all tops.
 
     Examples
     --------
@@ -90,8 +93,19 @@ class AsperityArray(Viscoelastic):
         reference_height: Quantity | None = None,
         compliance: Literal["column", "none"] = "column",
         accuracy: Literal["default", "accurate"] = "default",
+        adhesion: Adhesion | Quantity | None = None,
     ) -> None:
         refuse_layers(indenter, substrate)
+        works = None
+        if adhesion is not None:
+            given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+            if given.floor:
+                raise ValueError(
+                    "floor contact is not computed under rounded tops: leave floor=True out"
+                )
+            if given.work_receding is not None:
+                raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
+            works = (given.work, None)
         lens, plate, of_substrate = bodies(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
@@ -125,6 +139,7 @@ class AsperityArray(Viscoelastic):
                 of_substrate,
                 compliance == "column",
                 accuracy == "accurate",
+                works,
             )
         )
 
@@ -188,7 +203,8 @@ class AsperityArray(Viscoelastic):
     ) -> AsperityContact:
         """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
-        The indentation is zero where the indenter is level with the reference height. Adhesion and the floor are neglected.
+        The indentation is zero where the indenter is level with the reference height. The floor is neglected. With adhesion the
+        result is the contact on loading, from first touch on.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_asperities(self._asperities, *load(indentation, force), run)
@@ -197,6 +213,33 @@ class AsperityArray(Viscoelastic):
         if not result.converged:
             raise NotConverged(f"the solution {result.termination}", result)
         return result
+
+    @property
+    def adhesion(self) -> Adhesion | None:
+        """The adhesion of the tops; None without."""
+        works = self._asperities.adhesion
+        return None if works is None else Adhesion(*works)
+
+    def cycle(
+        self,
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        drive: Drive = "displacement",
+        machine_stiffness: Quantity | None = None,
+        retract: bool = True,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> AsperityCycle:
+        """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
+        if to is None and to_force is None:
+            raise TypeError("give either to or to_force: where the loading ends")
+        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
+        run = options(threads, progress, memory_limit)
+        answer, curve, events = _fakir.cycle_asperities(self._asperities, *plan, run)
+        warn(answer.warnings)
+        return AsperityCycle(answer, curve, events)
 
     def __len__(self) -> int:
         return len(self.x)
@@ -250,6 +293,63 @@ class AsperityContact(AsperityPressNumbers):
             ("left out", ", ".join(self.left_out)),
             ("solution", self.termination),
         ]
+
+
+class AsperityCycle(AsperityCycleNumbers):
+    """Loading and unloading of rounded tops with adhesion. Numbers are in SI units; arrays have one value for every load step."""
+
+    _titles = ("fakir.AsperityCycle", "Loading and unloading with adhesion")
+
+    __slots__ = ("branch", "contact_area", "events", "force", "indentation", "tops_in_contact")
+    branch: list[str]
+    """``"loading"`` or ``"unloading"`` of every load step."""
+    indentation: FloatArray
+    """Indentation at every load step, m."""
+    force: FloatArray
+    """Force at every load step, N; negative in tension."""
+    contact_area: FloatArray
+    """Area of all contacts at every load step, m^2."""
+    tops_in_contact: FloatArray
+    """Number of tops in contact at every load step."""
+    events: list[dict[str, Any]]
+    """Contacts that begin and end, in order: ``branch``, ``event`` (``"snap_in"`` or ``"release"``), ``pillar`` (the number of the
+    top), ``indentation_m``, ``force_N`` and ``contact_radius_m``."""
+
+    def __init__(
+        self,
+        answer: _fakir.Answer,
+        curve: list[tuple[str, float, float, float, int]],
+        events: list[tuple[str, str, int, float, float, float]],
+    ) -> None:
+        super().__init__(answer)
+        self.branch = [step[0] for step in curve]
+        columns = np.array([step[1:] for step in curve], dtype=np.float64).T
+        self.indentation, self.force, self.contact_area, self.tops_in_contact = columns
+        names = ["branch", "event", "pillar", "indentation_m", "force_N", "contact_radius_m"]
+        self.events = [dict(zip(names, event)) for event in events]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every load step."""
+        import pandas
+
+        columns: dict[str, Any] = {
+            "branch": self.branch,
+            "indentation_m": self.indentation,
+            "force_N": self.force,
+            "contact_area_m2": self.contact_area,
+            "pillars_in_contact": self.tops_in_contact.astype(int),
+        }
+        return pandas.DataFrame(columns)
+
+    def _rows(self) -> list[Row]:
+        rows = [
+            ("loaded up to", f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}")
+        ]
+        if self.pull_off_force is not None:
+            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
+        if self.hysteresis is not None:
+            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
+        return [*rows, ("solution", self.termination)]
 
 
 class HeightDesign(Result):

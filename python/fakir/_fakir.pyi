@@ -330,6 +330,7 @@ class Asperities:
         substrate: Sequence[float],
         column: bool,
         accurate: bool,
+        adhesion: tuple[float, float | None] | None,
     ) -> Asperities: ...
     @staticmethod
     def read(path: _Path, overrides: Sequence[str]) -> Asperities: ...
@@ -348,6 +349,8 @@ class Asperities:
     @property
     def plate(self) -> list[float] | None: ...
     @property
+    def adhesion(self) -> tuple[float, float | None] | None: ...
+    @property
     def substrate(self) -> list[float]: ...
 
 @final
@@ -357,6 +360,19 @@ class AsperityContact(Answer):
 def press_asperities(
     tops: Asperities, indentation: float | None, force: float | None, options: Options
 ) -> AsperityContact: ...
+def cycle_asperities(
+    tops: Asperities,
+    to: float | None,
+    to_force: float | None,
+    drive: str,
+    machine_stiffness: float | None,
+    retract: bool,
+    options: Options,
+) -> tuple[
+    Answer,
+    list[tuple[str, float, float, float, int]],
+    list[tuple[str, str, int, float, float, float]],
+]: ...
 def design_heights(
     tops: Asperities,
     curve: str,

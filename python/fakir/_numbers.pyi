@@ -92,6 +92,14 @@ class AsperityErrors(NamedTuple):
     indentation_m: float
     'Estimated error of the indentation, not relative: it counts from a level that may be anywhere (m).'
 
+class AsperityCycleErrors(NamedTuple):
+    turn_force: float | None = None
+    'Estimated relative error of the force at the end of loading.'
+    pull_off_force: float | None = None
+    'Estimated relative error of the pull-off force.'
+    hysteresis: float | None = None
+    'Estimated relative error of the hysteresis.'
+
 class CycleError(NamedTuple):
     numerical: float
     'Estimated relative error of the numerical solution: the sum of the next three; the whole object is None where the cycle has no such figure.'
@@ -321,6 +329,50 @@ class AsperityPressNumbers(Contact):
     '`AsperityErrors` with force, contact_area, indentation_m.'
     iterations: Number[int]
     'Solver iterations.'
+
+class AsperityCycleNumbers(Answer):
+    method: Number[str]
+    '`spectral`.'
+    drive: Number[str]
+    'Loading mode, the quantity that is constant during a jump: `displacement`, `force` or `machine`.'
+    first_contact_indentation: Number[float | None]
+    'Indentation at first contact (m).'
+    first_contact_force: Number[float | None]
+    'Force after first contact (N).'
+    zero_load_indentation: Number[float | None]
+    'Equilibrium indentation without load (m).'
+    turn_force: Number[float]
+    'Force at the end of loading (N).'
+    turn_indentation: Number[float]
+    'Indentation at the end of loading (m).'
+    turn_contact_area: Number[float]
+    'Area of all contacts at the end of loading (m^2).'
+    turn_pillars_in_contact: Number[int]
+    'Pillars in contact at the end of loading.'
+    pull_off_force: Number[float | None]
+    'Largest tensile force on unloading, negative (N); None if there is none.'
+    pull_off_indentation: Number[float | None]
+    'Indentation at pull-off (m).'
+    pull_off_contact_area: Number[float | None]
+    'Area of all contacts at pull-off (m^2).'
+    pull_off_pillars_in_contact: Number[int | None]
+    'Pillars in contact at pull-off.'
+    last_release_indentation: Number[float | None]
+    'Indentation at which the last pillar detaches (m); None without unloading.'
+    work_of_separation: Number[float | None]
+    'Work against tensile forces during unloading (J); None under a prescribed force, where the lens leaves at once.'
+    hysteresis: Number[float | None]
+    'Area of the loop of force over indentation (J); None for a path that is not closed.'
+    dissipation: Number[float]
+    'Energy dissipated by all events, summed independently (J).'
+    certificate: Number[float | None]
+    'Relative difference of `dissipation_J` from `hysteresis_J`.'
+    error: Number[AsperityCycleErrors]
+    '`AsperityCycleErrors` with turn_force, pull_off_force, hysteresis.'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
 
 class CycleNumbers(Answer):
     method: Number[str]

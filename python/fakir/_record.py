@@ -41,6 +41,7 @@ GROUPS = {
     "grid": "Grid",
     "normalized": "Normalized",
     "cycle.error": "CycleErrors",
+    "asperity_cycle.error": "AsperityCycleErrors",
     "asperity_press.error": "AsperityErrors",
 }
 """Named tuples by kind and attribute, or by attribute; the others are named by both."""

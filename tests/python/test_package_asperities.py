@@ -92,3 +92,24 @@ def test_every_kind_of_surface_has_one_entry(tmp_path):
     assert len(fakir.read_case(tmp_path / "case.toml")) == 9
     with pytest.raises(fakir.CaseError, match="flat pillar tops only"):
         fakir.System.from_file(tmp_path / "case.toml")
+
+
+def test_adhesion_of_one_top_is_that_of_johnson_kendall_and_roberts():
+    """-(3/2) pi w R under a plate, whatever the moduli."""
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER, adhesion="50 mJ/m2")
+    assert one.adhesion == fakir.Adhesion("50 mJ/m2")
+    cycle = one.cycle(to="5 um")
+    assert cycle.pull_off_force == pytest.approx(-1.5 * np.pi * 50e-3 * 526e-6, rel=1e-8)
+    assert [event["event"] for event in cycle.events] == ["snap_in", "release"]
+    assert cycle.hysteresis == pytest.approx(cycle.dissipation, rel=1e-4)
+    assert cycle.force.min() == pytest.approx(cycle.pull_off_force)
+    contact = one.press(force="1 mN")
+    plain = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER).press(force="1 mN")
+    assert contact.contact_area > plain.contact_area and contact.left_out == ["floor"]
+
+
+def test_a_floor_under_rounded_tops_is_not_adhesive():
+    with pytest.raises(ValueError, match="floor contact is not computed"):
+        fakir.AsperityArray(
+            0.0, 0.0, "1 um", "0.5 mm", GLASS, RUBBER, adhesion=fakir.Adhesion(0.05, floor=True)
+        )

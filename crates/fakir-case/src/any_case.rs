@@ -48,7 +48,8 @@ impl AnyCase {
         match self {
             Self::Pillars(case) => !case.system.adhesion().is_none(),
             Self::Flat(case) => !case.system.adhesion().is_none(),
-            Self::Asperities(_) | Self::HeightMap(_) => false,
+            Self::Asperities(case) => !case.field.adhesion().is_none(),
+            Self::HeightMap(_) => false,
         }
     }
 }

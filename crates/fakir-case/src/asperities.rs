@@ -84,6 +84,15 @@ impl AsperityCase {
             Key::PillarHeight,
             Key::Accuracy,
         ];
+        let adhesion = field.adhesion();
+        if !adhesion.is_none() {
+            parts.pattern.adhesion.work = adhesion.work;
+            keys.push(Key::WorkOfAdhesion);
+        }
+        if let Some(receding) = adhesion.work_receding {
+            parts.pattern.adhesion.work_receding = receding;
+            keys.push(Key::RecedingWorkOfAdhesion);
+        }
         if field
             .asperities()
             .iter()
@@ -194,13 +203,14 @@ impl AsperityCase {
             ),
             ..*asperity
         });
+        let field = AsperityArray::new(
+            raised.indenter().clone(),
+            *raised.substrate(),
+            asperities.collect(),
+        )?
+        .with_interactions(*raised.interactions())?;
         Ok(Self {
-            field: AsperityArray::new(
-                raised.indenter().clone(),
-                *raised.substrate(),
-                asperities.collect(),
-            )?
-            .with_interactions(*raised.interactions())?,
+            field: field.with_adhesion(raised.adhesion())?,
             ..self.clone()
         })
     }
@@ -231,8 +241,8 @@ impl CaseFile {
     /// The case with rounded pillar tops that the file and its overrides describe.
     ///
     /// # Errors
-    /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, adhesion, a method other than the spectral one, and
-    /// pillars that cannot be read or that overlap.
+    /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, a method other than the spectral one, and pillars that
+    /// cannot be read or that overlap.
     pub fn asperity_case(&self) -> Result<AsperityCase, CaseError> {
         let parts = self.parts(Part::OF_PILLARS)?;
         let pillar = parts.pattern.pillar;
@@ -242,6 +252,18 @@ impl CaseFile {
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
         self.relaxation_of(&parts)?;
+        let adhesion = self.adhesion(&parts);
+        if adhesion.work_receding.is_some() {
+            return Err(self
+                .problem(
+                    Key::RecedingWorkOfAdhesion,
+                    "rounded pillar tops support one work of adhesion",
+                )
+                .accepted(format!(
+                    "leave it out; as {} it gives the pull-off force",
+                    Key::WorkOfAdhesion
+                )));
+        }
         let top_radius = parts.pattern.top_radius;
         let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {
             apex: [x, y],
@@ -298,6 +320,9 @@ impl CaseFile {
                 (field, height)
             }
         };
+        let field = field
+            .with_adhesion(adhesion)
+            .map_err(|invalid| self.impossible(&invalid))?;
         Ok(AsperityCase {
             field,
             accuracy: parts.method.accuracy,

@@ -128,7 +128,17 @@ fn of_surfaces() -> Drawn {
     let field = AsperityArray::new(Indenter::Flat(None), RUBBER, asperities.collect()).unwrap();
     let load = Load::Indentation(1e-6);
     let pressed = field.press_quickly(load, Accuracy::Default, None, &run);
+    let adhesive = field.clone().with_adhesion(Adhesion::new(20e-3)).unwrap();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(1e-6),
+        ..CyclePlan::default()
+    };
+    let cycle = adhesive.cycle(plan, Accuracy::Default, &run).unwrap();
     vec![
+        (
+            "asperity_cycle_curve",
+            crate::asperity_cycle_curve(&cycle).unwrap(),
+        ),
         (
             "surface_profiles",
             crate::surface_profiles(std::slice::from_ref(&state)).unwrap(),

@@ -54,6 +54,7 @@ pub use colour::Tint;
 pub use error::FigureError;
 pub use figure::{Figure, RESOLUTION};
 pub use figures::approach::{LoadingPoint, approach};
+pub use figures::asperity_cycle::asperity_cycle_curve;
 pub use figures::asperity_map::asperity_map;
 pub use figures::critical_curves::{
     CriticalColumn, CriticalCurve, CriticalPoint, Measured, critical_curves,

@@ -4,7 +4,7 @@
 use crate::heights::{
     Curve, DesignedPoint, HeightDesign, HeightDesignError, WantedPoint, design_heights,
 };
-use fakir::problem::{Asperity, AsperityArray};
+use fakir::problem::{Asperity, AsperityArray, Unsupported};
 use fakir::state::{AsperityContact, Run, Solution, SolveError, Termination, Unresolved};
 use fakir_case::AsperityCase;
 use fakir_study::{Column, Table, Values};
@@ -86,6 +86,10 @@ pub fn design_pillars(
     seed: u64,
     run: &Run<'_>,
 ) -> Result<PillarHeights, PillarHeightsError> {
+    if !case.field.adhesion().is_none() {
+        let reason = Unsupported::HEIGHTS_OF_ADHESIVE_TOPS;
+        return Err(SolveError::from(reason).into());
+    }
     let mut field = case.field.clone();
     let mut round = 1;
     let (made, mut design) = loop {

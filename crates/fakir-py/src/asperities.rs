@@ -4,11 +4,11 @@ use crate::answer::Answer;
 use crate::error::{
     case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
-use crate::load::load;
+use crate::load::{load, plan};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Indenter, Lens, Material, PillarCompliance,
+    Accuracy, Adhesion, Asperity, AsperityArray, Indenter, Lens, Material, PillarCompliance,
 };
 use fakir::state;
 use fakir_case::{AsperityCase, CaseFile};
@@ -16,7 +16,10 @@ use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
 use fakir_study::record::AsperityAnswer;
-use fakir_study::result::{asperity_pillars, asperity_press, asperity_warnings, json};
+use fakir_study::result::{
+    asperity_cycle, asperity_cycle_warnings, asperity_pillars, asperity_press, asperity_warnings,
+    json,
+};
 use fakir_study::workshop::Relief;
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -32,7 +35,7 @@ pub(crate) struct Asperities {
 #[pymethods]
 impl Asperities {
     /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` is radius, modulus and
-    /// Poisson's ratio, `plate` modulus and Poisson's ratio.
+    /// Poisson's ratio, `plate` modulus and Poisson's ratio; `adhesion` the works of adhesion where contact is made and broken.
     #[new]
     fn new(
         pillars: Vec<[f64; 4]>,
@@ -43,6 +46,7 @@ impl Asperities {
         substrate: [f64; 2],
         column: bool,
         accurate: bool,
+        adhesion: Option<(f64, Option<f64>)>,
     ) -> PyResult<Self> {
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
         let indenter = match (lens, plate) {
@@ -59,6 +63,16 @@ impl Asperities {
         let asperities = pillars.into_iter().map(asperity).collect();
         let field =
             AsperityArray::new(indenter, material(substrate), asperities).map_err(value_error)?;
+        let field = match adhesion {
+            Some((work, work_receding)) => field
+                .with_adhesion(Adhesion {
+                    work,
+                    work_receding,
+                    floor: false,
+                })
+                .map_err(value_error)?,
+            None => field,
+        };
         let accuracy = if accurate {
             Accuracy::Accurate
         } else {
@@ -153,6 +167,13 @@ impl Asperities {
         }
     }
 
+    /// Works of adhesion where contact is made and broken, J/m^2; none without adhesion.
+    #[getter]
+    fn adhesion(&self) -> Option<(f64, Option<f64>)> {
+        let adhesion = self.case.field.adhesion();
+        (!adhesion.is_none()).then_some((adhesion.work, adhesion.work_receding))
+    }
+
     /// Modulus and Poisson's ratio of the substrate.
     #[getter]
     fn substrate(&self) -> [f64; 2] {
@@ -225,6 +246,57 @@ pub(crate) fn press_asperities(
     let (ended, warnings) = (answer.contact.termination, asperity_warnings(answer));
     let answer = Answer::new(&answer, summary, ended, warnings);
     Py::new(py, (contact, answer))
+}
+
+/// Points of a curve: branch, indentation (m), force (N), contact area (m^2) and number of tops in contact.
+type CycleCurve = Vec<(&'static str, f64, f64, f64, usize)>;
+
+/// Contacts that begin and end: branch, kind, number of the top, indentation (m), force (N) and contact radius (m).
+type CycleEvents = Vec<(&'static str, &'static str, usize, f64, f64, f64)>;
+
+/// Loading up to an indentation (m) or a force (N), and optional unloading; a stiffness (N/m) is that of the testing machine.
+#[pyfunction]
+pub(crate) fn cycle_asperities(
+    py: Python<'_>,
+    tops: &Asperities,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    drive: &str,
+    machine_stiffness: Option<f64>,
+    retract: bool,
+    options: Options,
+) -> PyResult<(Py<Answer>, CycleCurve, CycleEvents)> {
+    let plan = plan(to, to_force, drive, machine_stiffness, retract);
+    let case = &tops.case;
+    let start = Instant::now();
+    let cycle = watched(py, &options, |run| {
+        case.field.cycle(plan, case.accuracy, run)
+    })?;
+    let cycle = cycle.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = json(&asperity_cycle(&cycle, &case.field, None, wall_time));
+    let warnings = asperity_cycle_warnings(case, &cycle);
+    let answer = Answer::new(&cycle, summary, cycle.termination, warnings);
+    let steps = cycle.load_steps.iter().map(|step| {
+        (
+            step.branch.name(),
+            step.indentation,
+            step.force,
+            step.contact_area,
+            step.pillars_in_contact,
+        )
+    });
+    let events = cycle.events.iter().map(|event| {
+        (
+            event.branch.name(),
+            event.kind.name(),
+            event.asperity,
+            event.indentation,
+            event.force,
+            event.radius,
+        )
+    });
+    Ok((Py::new(py, answer)?, steps.collect(), events.collect()))
 }
 
 /// The object that `fakir design --free heights --json` prints, the resulting pillars, and the columns of `curve.csv`.

@@ -31,7 +31,9 @@ mod _fakir {
     #[pymodule_export]
     use super::answer::{Answer, record};
     #[pymodule_export]
-    use super::asperities::{Asperities, AsperityContact, design_heights, press_asperities};
+    use super::asperities::{
+        Asperities, AsperityContact, cycle_asperities, design_heights, press_asperities,
+    };
     #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};
     #[pymodule_export]

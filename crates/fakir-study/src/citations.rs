@@ -40,6 +40,8 @@ pub enum Topic {
     Interaction(&'static str),
     /// Viscoelastic bodies over time.
     Viscoelastic,
+    /// Adhesion of rounded pillar tops.
+    AdhesiveAsperities,
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -113,7 +115,10 @@ impl Topic {
             periodic: surface.boundary == Boundary::Periodic,
             random: surface.is_random,
         });
-        let adhesion = study.has_adhesion().then_some(Self::Adhesion);
+        let adhesion = study.has_adhesion().then_some(match study.surface_kind() {
+            SurfaceKind::Asperities => Self::AdhesiveAsperities,
+            _ => Self::Adhesion,
+        });
         let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
         let layers = study.has_layers().then_some(Self::Layers);
         let of_kind = match study.surface_kind() {
@@ -317,6 +322,7 @@ impl Topic {
             Self::Asperities => vec!["rounded_tops"],
             Self::Interaction(name) => vec![name],
             Self::Viscoelastic => vec!["viscoelastic"],
+            Self::AdhesiveAsperities => vec!["adhesive_rounded_tops"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
@@ -419,6 +425,7 @@ mod tests {
                 Topic::Flat,
                 Topic::Asperities,
                 Topic::Interaction("friction"),
+                Topic::AdhesiveAsperities,
                 Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),

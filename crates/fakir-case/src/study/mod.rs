@@ -79,7 +79,10 @@ impl StudyFile {
                         examples.push(*case);
                     }
                 }
-                AnyCase::Asperities(case) => rounded = rounded.or(Some(case)),
+                AnyCase::Asperities(case) => {
+                    adhesive |= !case.field.adhesion().is_none();
+                    rounded = rounded.or(Some(case));
+                }
                 AnyCase::Flat(case) => {
                     adhesive |= !case.system.adhesion().is_none();
                     layered |= case.system.has_layers();

@@ -29,14 +29,15 @@ impl AnyCase {
         let adhesion = match &case {
             Self::Pillars(case) => case.system.adhesion(),
             Self::Flat(case) => case.system.adhesion(),
-            Self::Asperities(_) | Self::HeightMap(_) => return Ok(case),
+            Self::Asperities(case) => case.field.adhesion(),
+            Self::HeightMap(_) => return Ok(case),
         };
         if of_adhesion && adhesion.is_none() {
             return Err(file.without_adhesion());
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file.missing(Key::AdhesiveFloor).accepted(
-                "a flat surface has no floor between pillars: use question = \"cycle\"",
+                "a flat surface has no floor between pillars, and under rounded tops floor contact is not computed: use question = \"cycle\"",
             ));
         }
         Ok(case)

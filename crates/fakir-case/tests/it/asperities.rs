@@ -117,16 +117,16 @@ fn what_rounded_tops_do_not_have_is_refused() {
     };
     for (message, words) in [
         (
-            with("[adhesion]\nwork = \"50 mJ/m2\"\n"),
-            "adhesion of rounded pillar tops is not supported",
+            with("[adhesion]\nwork = \"-50 mJ/m2\"\n"),
+            "adhesion.work: ",
         ),
         (
-            with("[adhesion]\nfloor = true\n"),
-            "adhesion.floor: adhesion of rounded pillar tops is not supported",
+            with("[adhesion]\nwork = \"50 mJ/m2\"\nfloor = true\n"),
+            "adhesion.floor: floor contact is not computed under rounded tops",
         ),
         (
             with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),
-            "adhesion.work_receding: adhesion of rounded pillar tops is not supported",
+            "adhesion.work_receding: rounded pillar tops support one work of adhesion",
         ),
         (
             set("substrate.base_young_modulus=1MPa"),
@@ -171,6 +171,18 @@ fn what_rounded_tops_do_not_have_is_refused() {
     ] {
         assert!(message.contains(words), "{message}");
     }
+}
+
+#[test]
+fn adhesion_is_read_and_written() {
+    let text = format!("{PLATE}{SITES}[adhesion]\nwork = \"50 mJ/m2\"\n");
+    let case = file(&text).asperity_case().unwrap();
+    assert_eq!(case.field.adhesion().work, 50e-3);
+    let again = file(&case.to_toml()).asperity_case().unwrap();
+    assert_eq!(again.field, case.field);
+    let heights: Vec<f64> = case.field.asperities().iter().map(|it| it.raised).collect();
+    let same = case.with_heights(&heights).unwrap();
+    assert_eq!(same.field.adhesion(), case.field.adhesion());
 }
 
 /// All computations of flat tops use `case`.

@@ -1,6 +1,7 @@
 //! The figures.
 
 pub(crate) mod approach;
+pub(crate) mod asperity_cycle;
 pub(crate) mod asperity_map;
 pub(crate) mod critical_curves;
 pub(crate) mod critical_states;

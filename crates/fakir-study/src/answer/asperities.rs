@@ -1,6 +1,7 @@
 //! Pillars with rounded tops.
 
-use super::kind::{Kind, Reached, Saved};
+use super::cycle::certificate_words;
+use super::kind::{Context, Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Request, Running};
 use crate::citations::Topic;
 use crate::figures::saved;
@@ -8,13 +9,22 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::Provenance;
 use crate::record::{AsperityAnswer, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
-use crate::report::state::{QuantityList, alone, error_remark};
-use crate::result::{asperity_pillars, left_out_words};
-use fakir::problem::{Interactions, Solver};
-use fakir::state::{AsperityContact, AsperityState, Limit, PillarStatus, Regime, Run};
+use crate::report::state::{
+    QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
+};
+use crate::report::table::{Column, table};
+use crate::result::{
+    AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
+    csv, json, left_out_words,
+};
+use fakir::problem::{CyclePlan, Interactions, Solver, UnloadingPoint};
+use fakir::state::{
+    AsperityContact, AsperityCycle, AsperityState, Branch, CycleEventKind, Limit, PillarStatus,
+    Regime, Run, Solution,
+};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
-use fakir_figure::asperity_map;
+use fakir_figure::{asperity_cycle_curve, asperity_map};
 
 impl Kind for AsperityCase {
     type Problem = Self;
@@ -43,8 +53,13 @@ impl Kind for AsperityCase {
         self.field.interactions()
     }
 
-    fn topics(&self, _: Option<f64>) -> Vec<Topic> {
-        vec![Topic::Asperities]
+    fn topics(&self, range: Option<f64>) -> Vec<Topic> {
+        let adhesive = !self.field.adhesion().is_none();
+        [Topic::Asperities]
+            .into_iter()
+            .chain(adhesive.then_some(Topic::AdhesiveAsperities))
+            .chain(range.map(|_| Topic::AttractionRange))
+            .collect()
     }
 
     fn cited_as(&self) -> String {
@@ -55,16 +70,43 @@ impl Kind for AsperityCase {
         self.to_toml()
     }
 
-    fn check(&self, _: &Request, _: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+    fn check(&self, request: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+        let is_plain = self.field.adhesion().is_none();
+        if let Request::Cycle(plan) = request {
+            if is_plain {
+                return Err(AnswerError::Refused(
+                    "a cycle needs adhesion: give adhesion.work in the case file, or --set adhesion.work=50mJ/m2",
+                ));
+            }
+            if matches!(plan.turn, UnloadingPoint::Critical(_)) {
+                return Err(AnswerError::Refused(
+                    "rounded tops have no critical state at which the loading could end, as floor contact is not computed: give --to or --to-force",
+                ));
+            }
+        }
+        if details.range.is_some() && is_plain {
+            return Err(AnswerError::Refused(
+                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
+            ));
+        }
         Ok(())
+    }
+
+    fn cycle(
+        &self,
+        plan: CyclePlan,
+        running: &Running<'_>,
+    ) -> Result<Box<dyn Found<Self>>, AnswerError> {
+        let cycle = self.field.cycle(plan, self.accuracy, &running.run)?;
+        Ok(Box::new(cycle))
     }
 
     fn record(&self, found: &Reached<AsperityContact>) -> Record {
         Record::of(&AsperityAnswer::of(self, found.contact()))
     }
 
-    fn limits(&self, _: &AsperityContact, _: Option<f64>) -> Option<Vec<Limit>> {
-        None
+    fn limits(&self, contact: &AsperityContact, range: Option<f64>) -> Option<Vec<Limit>> {
+        range.map(|_| contact.limits(&self.field, range))
     }
 
     fn left_out(&self, contact: &AsperityContact) -> Option<&'static str> {
@@ -174,4 +216,219 @@ impl Kind for AsperityCase {
             warnings: Vec::new(),
         })
     }
+}
+
+impl Found<AsperityCase> for AsperityCycle {
+    fn question(&self) -> String {
+        "loading and unloading with adhesion".to_owned()
+    }
+
+    fn records(&self, _: &AsperityCase) -> Vec<Record> {
+        vec![Record::of(self)]
+    }
+
+    fn is_answer(&self) -> bool {
+        Solution::is_answer(self)
+    }
+
+    fn problem(&self) -> Option<String> {
+        Solution::problem(self)
+    }
+
+    fn json(&self, of: &Context<'_, AsperityCase>) -> String {
+        let object = asperity_cycle(self, &of.case.field, of.details.range, of.wall_time);
+        json(&object)
+    }
+
+    fn text(&self, of: &Context<'_, AsperityCase>) -> String {
+        let [case, method] = of.case.lines();
+        let left_out = left_out_words(AsperityAnswer::of(of.case, &self.turn));
+        format!(
+            "Loading and unloading with adhesion\n{case}\n{}, {}\n{method}; {left_out}\n\n{}\n{}",
+            adhesion_words(of.case.field.adhesion()),
+            drive_words(self.plan.drive),
+            quantities(self, of),
+            table(&changes(self), &change_columns())
+        )
+    }
+
+    fn limits(&self, of: &Context<'_, AsperityCase>) -> Vec<Limit> {
+        let range = of.details.range;
+        range.map_or(Vec::new(), |_| self.turn.limits(&of.case.field, range))
+    }
+
+    fn warnings(
+        &self,
+        of: &Context<'_, AsperityCase>,
+        _: &Running<'_>,
+    ) -> Result<Vec<String>, AnswerError> {
+        let mut warnings = asperity_cycle_warnings(of.case, self);
+        warnings.extend(range_warnings(&self.limits(of)));
+        Ok(warnings)
+    }
+
+    fn files(
+        &self,
+        case: &AsperityCase,
+        _: Option<usize>,
+        provenance: &Provenance,
+        _: &Running<'_>,
+    ) -> Result<Saved, AnswerError> {
+        let mut files = vec![
+            csv(
+                "cycle.csv",
+                self.load_steps.iter().map(AsperityStepRow::from),
+            ),
+            csv("events.csv", self.events.iter().map(AsperityEventRow::from)),
+        ];
+        if let Some(pull_off) = &self.pull_off {
+            let table = asperity_pillars(AsperityAnswer::of(case, pull_off));
+            files.extend(table.some_csv("pull-off-pillars.csv"));
+        }
+        if let Ok(figure) = asperity_cycle_curve(self) {
+            files.extend(saved(figure, provenance));
+        }
+        files.extend(saved(asperity_map(&case.field, &self.turn), provenance));
+        Ok(Saved {
+            files,
+            warnings: Vec::new(),
+        })
+    }
+}
+
+fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
+    let mut list = QuantityList::default();
+    let remark = |error: f64| alone(&error_remark(error));
+    let first = cycle
+        .first_contact
+        .and_then(|place| cycle.load_steps.get(place));
+    if let Some(step) = first {
+        list.length("first contact", step.indentation, String::new())
+            .quantity(
+                "  force after it",
+                step.force,
+                Dimension::Force,
+                LENGTH_DIGITS,
+                String::new(),
+            );
+    }
+    if let Some(indentation) = cycle.zero_load_indentation {
+        list.length("at rest without load", indentation, String::new());
+    }
+    let turn = &cycle.turn;
+    let error = turn.error.unwrap_or_default();
+    list.quantity(
+        "loaded up to a force of",
+        turn.force,
+        Dimension::Force,
+        digits(error.force),
+        remark(error.force),
+    )
+    .length("  at an indentation of", turn.indentation, String::new())
+    .area(
+        "  with a contact area of",
+        turn.area,
+        digits(error.area),
+        &remark(error.area),
+    )
+    .row(
+        "  with pillars in contact",
+        turn.touched().to_string(),
+        "",
+        &format!("of {}", turn.asperities.len()),
+    );
+    if let Some(pull_off) = &cycle.pull_off {
+        let error = cycle.errors.pull_off_force;
+        list.quantity(
+            "pull-off force",
+            pull_off.force,
+            Dimension::Force,
+            digits(error),
+            remark(error),
+        )
+        .length(
+            "  at an indentation of",
+            pull_off.indentation,
+            String::new(),
+        )
+        .row(
+            "  with pillars in contact",
+            pull_off.touched().to_string(),
+            "",
+            "",
+        );
+    }
+    if let Some(indentation) = cycle.separation {
+        list.length("last release", indentation, String::new());
+    }
+    let known = digits(cycle.errors.loop_area);
+    if let Some(work) = cycle.work_of_separation {
+        list.row("work of separation", significant(work, known), "J", "");
+    }
+    if let Some(area) = cycle.loop_area {
+        list.row(
+            "hysteresis",
+            significant(area, known),
+            "J",
+            &remark(cycle.errors.loop_area),
+        );
+    }
+    if let Some(certificate) = cycle.certificate() {
+        list.row(
+            "certificate",
+            certificate_words(certificate),
+            "",
+            "relative difference from the dissipation of all events",
+        );
+    }
+    let range = of.details.range;
+    if range.is_some() {
+        list.limits(&turn.limits(&of.case.field, range));
+    }
+    list.row(
+        "load steps",
+        cycle.load_steps.len().to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            cycle.termination.description(),
+            seconds(of.wall_time)
+        ),
+    );
+    list.text()
+}
+
+/// Number of contacts that begin or end on each branch.
+struct Change {
+    name: &'static str,
+    loading: usize,
+    unloading: usize,
+}
+
+fn changes(cycle: &AsperityCycle) -> Vec<Change> {
+    let count = |kind, branch| {
+        let events = cycle.events.iter();
+        let of_kind = events.filter(|event| event.kind == kind && event.branch == branch);
+        of_kind.count()
+    };
+    [
+        (CycleEventKind::SnapIn, "made"),
+        (CycleEventKind::Release, "released"),
+    ]
+    .map(|(kind, name)| Change {
+        name,
+        loading: count(kind, Branch::Loading),
+        unloading: count(kind, Branch::Unloading),
+    })
+    .into()
+}
+
+fn change_columns() -> Vec<Column<Change>> {
+    vec![
+        Column::text("changes of contact", |change: &Change| {
+            change.name.to_owned()
+        }),
+        Column::right("loading", |change| change.loading.to_string()),
+        Column::right("unloading", |change| change.unloading.to_string()),
+    ]
 }

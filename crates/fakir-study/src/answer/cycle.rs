@@ -296,7 +296,7 @@ fn floor_contact(list: &mut QuantityList, cycle: &Cycle) {
 }
 
 /// Values below any significant error are rounding errors, and differ between machines.
-fn certificate_words(certificate: f64) -> String {
+pub(super) fn certificate_words(certificate: f64) -> String {
     if certificate < 1e-9 {
         "< 1e-9".to_owned()
     } else {

@@ -1,4 +1,4 @@
-//! The numbers of contacts with rounded pillar tops.
+//! The numbers of contacts and cycles with rounded pillar tops.
 
 use super::contact::{common, load};
 use super::interactions::{self, Interacting};
@@ -6,7 +6,9 @@ use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
 use fakir::problem::{AsperityArray, ContactAreas, Interactions};
-use fakir::state::{AsperityContact, AsperityErrors, AsperityState, PillarStatus};
+use fakir::state::{
+    AsperityContact, AsperityCycle, AsperityErrors, AsperityLoadStep, AsperityState, PillarStatus,
+};
 use fakir_case::AsperityCase;
 
 /// A contact with rounded tops, and its case.
@@ -23,6 +25,9 @@ pub struct AsperityAnswer<'a> {
 /// Effects that are neglected in contacts with rounded tops.
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 
+/// The same with adhesion.
+const LEFT_OUT_WITH_ADHESION: &[&str] = &["floor"];
+
 impl<'a> AsperityAnswer<'a> {
     /// A contact of a case.
     #[must_use]
@@ -34,9 +39,27 @@ impl<'a> AsperityAnswer<'a> {
         }
     }
 
-    /// Whether the floor, at this depth below the level of zero indentation, is certainly not reached: pressure only moves it away.
+    /// Whether the floor, at this depth below the level of zero indentation, is certainly not reached: pressure only moves it away, and
+    /// tension lifts it nowhere by more than the sum of what each contact under tension lifts at its own edge, `2 |F|/(pi E* b)` or less.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
-        self.contact.indentation < self.height
+        let tensile = self.contact.asperities.iter();
+        let tensile = tensile.filter(|asperity| asperity.force < 0.0 && asperity.radius > 0.0);
+        let modulus = self.field.reduced_modulus();
+        let lifted: f64 = tensile
+            .map(|asperity| {
+                -2.0 * asperity.force / (std::f64::consts::PI * modulus * asperity.radius)
+            })
+            .sum();
+        self.contact.indentation + lifted < self.height
+    }
+
+    /// Effects that are neglected.
+    fn left_out(&self) -> &'static [&'static str] {
+        if self.field.adhesion().is_none() {
+            LEFT_OUT
+        } else {
+            LEFT_OUT_WITH_ADHESION
+        }
     }
 }
 
@@ -87,11 +110,6 @@ fn contact() -> Vec<Named<AsperityContact>> {
             "stiffness_N_per_m",
             "change of the force with the indentation",
             |it: &AsperityContact| it.slopes.force_with_indentation,
-        ),
-        Named::words(
-            "left_out",
-            "effects that are not computed",
-            |_: &AsperityContact| LEFT_OUT,
         ),
     ]
 }
@@ -153,6 +171,11 @@ impl<'a> Recorded for AsperityAnswer<'a> {
         };
         let mut rows: Vec<Named<Self>> = head().map(|row| row.of_part(|it: &Self| it.field)).into();
         rows.extend(of_contact(contact()));
+        rows.push(Named::words(
+            "left_out",
+            "effects that are not computed",
+            |it: &Self| it.left_out(),
+        ));
         rows.push(Named::flag(
             "floor_out_of_reach",
             "whether the floor is certainly not reached",
@@ -171,5 +194,126 @@ impl Interacting for AsperityAnswer<'_> {
 
     fn areas(&self) -> ContactAreas {
         self.contact.areas()
+    }
+}
+
+fn first_contact(cycle: &AsperityCycle) -> Option<&AsperityLoadStep> {
+    cycle.load_steps.get(cycle.first_contact?)
+}
+
+impl Recorded for AsperityCycle {
+    const KIND: Kind = Kind::AsperityCycle;
+
+    fn rows() -> Vec<Named<Self>> {
+        let pull_off = |path, meaning, of: fn(&AsperityContact) -> f64| {
+            Named::number_if_any(path, meaning, move |it: &Self| it.pull_off.as_ref().map(of))
+        };
+        let mut rows = vec![
+            Named::word("method", "`spectral`", |_: &Self| Some("spectral")),
+            Named::word(
+                "drive",
+                "loading mode, the quantity that is constant during a jump: `displacement`, `force` or `machine`",
+                |it: &Self| Some(it.plan.drive.name()),
+            ),
+            Named::number_if_any(
+                "first_contact_indentation_m",
+                "indentation at first contact",
+                |it: &Self| Some(first_contact(it)?.indentation),
+            )
+            .in_objects(),
+            Named::number_if_any(
+                "first_contact_force_N",
+                "force after first contact",
+                |it: &Self| Some(first_contact(it)?.force),
+            )
+            .in_objects(),
+            Named::number_if_any(
+                "zero_load_indentation_m",
+                "equilibrium indentation without load",
+                |it: &Self| it.zero_load_indentation,
+            )
+            .in_objects(),
+            Named::number(
+                "turn_force_N",
+                "force at the end of loading",
+                |it: &Self| it.turn.force,
+            ),
+            Named::number(
+                "turn_indentation_m",
+                "indentation at the end of loading",
+                |it: &Self| it.turn.indentation,
+            ),
+            Named::number(
+                "turn_contact_area_m2",
+                "area of all contacts at the end of loading",
+                |it: &Self| it.turn.area,
+            ),
+            Named::count(
+                "turn_pillars_in_contact",
+                "pillars in contact at the end of loading",
+                |it: &Self| it.turn.touched(),
+            ),
+            pull_off(
+                "pull_off_force_N",
+                "largest tensile force on unloading, negative; `null` if there is none",
+                |it| it.force,
+            ),
+            pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
+                it.indentation
+            }),
+            pull_off(
+                "pull_off_contact_area_m2",
+                "area of all contacts at pull-off",
+                |it| it.area,
+            ),
+            Named::count_if_any(
+                "pull_off_pillars_in_contact",
+                "pillars in contact at pull-off",
+                |it: &Self| Some(it.pull_off.as_ref()?.touched()),
+            ),
+            Named::number_if_any(
+                "last_release_indentation_m",
+                "indentation at which the last pillar detaches; `null` without unloading",
+                |it: &Self| it.separation,
+            ),
+            Named::number_if_any(
+                "work_of_separation_J",
+                "work against tensile forces during unloading; `null` under a prescribed force, where the lens leaves at once",
+                |it: &Self| it.work_of_separation,
+            ),
+            Named::number_if_any(
+                "hysteresis_J",
+                "area of the loop of force over indentation; `null` for a path that is not closed",
+                |it: &Self| it.loop_area,
+            ),
+            Named::number(
+                "dissipation_J",
+                "energy dissipated by all events, summed independently",
+                |it: &Self| it.dissipation,
+            )
+            .in_objects(),
+            Named::number_if_any(
+                "certificate",
+                "relative difference of `dissipation_J` from `hysteresis_J`",
+                Self::certificate,
+            ),
+            Named::number_if_any(
+                "relative_error_estimate.turn_force",
+                "estimated relative error of the force at the end of loading",
+                |it: &Self| it.turn.error.map(|error| error.force),
+            ),
+            Named::number_if_any(
+                "relative_error_estimate.pull_off_force",
+                "estimated relative error of the pull-off force",
+                |it: &Self| it.pull_off.as_ref().map(|_| it.errors.pull_off_force),
+            ),
+            Named::number_if_any(
+                "relative_error_estimate.hysteresis",
+                "estimated relative error of the hysteresis",
+                |it: &Self| it.loop_area.map(|_| it.errors.loop_area),
+            ),
+        ];
+        rows.extend(common());
+        rows
     }
 }

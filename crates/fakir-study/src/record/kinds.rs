@@ -22,6 +22,7 @@ impl Kind {
             (Asked::Press, HeightMap) => Some(Self::SurfacePress),
             (Asked::Press, Flat) => Some(Self::FlatPress),
             (Asked::Cycle, Flat) => Some(Self::FlatCycle),
+            (Asked::Cycle, Asperities) => Some(Self::AsperityCycle),
             (Asked::Cycle, _) => Some(Self::Cycle),
             (Asked::Collapse, _) => None,
         }
@@ -56,6 +57,7 @@ impl Kind {
                     of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
                 }
                 Kind::AsperityPress => of::<AsperityAnswer<'_>>(),
+                Kind::AsperityCycle => of::<fakir::state::AsperityCycle>(),
                 Kind::Cycle => of::<fakir::state::Cycle>(),
                 Kind::Loading => of::<LoadingState<&fakir::state::ContactState>>(),
                 Kind::SurfaceLoading => {

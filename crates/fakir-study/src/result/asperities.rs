@@ -1,12 +1,14 @@
-//! The contact with pillars that have rounded tops.
+//! Contacts and cycles of pillars that have rounded tops.
 
 use super::warnings_of;
 use crate::numbers::{LENGTH_DIGITS, significant, with_unit};
 use crate::record::AsperityAnswer;
 use crate::table::{Column, Table, Values};
 use fakir::problem::Asperity;
-use fakir::state::AsperityState;
+use fakir::state::{AsperityCycle, AsperityEvent, AsperityLoadStep, AsperityState};
+use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
+use serde::Serialize;
 
 /// Ratio of contact radius to radius of curvature up to which a contact on a rounded top is small.
 const SMALL_CONTACT: f64 = 0.3;
@@ -14,10 +16,12 @@ const SMALL_CONTACT: f64 = 0.3;
 /// Description of neglected effects.
 #[must_use]
 pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
-    if answer.floor_is_out_of_reach() {
-        "left out: adhesion; the floor is out of reach"
-    } else {
-        "neglected: adhesion, and the load of the floor if it is reached"
+    let adhesive = !answer.field.adhesion().is_none();
+    match (answer.floor_is_out_of_reach(), adhesive) {
+        (true, false) => "left out: adhesion; the floor is out of reach",
+        (true, true) => "the floor is out of reach",
+        (false, false) => "neglected: adhesion, and the load of the floor if it is reached",
+        (false, true) => "neglected: the load of the floor if it is reached",
     }
 }
 
@@ -93,4 +97,89 @@ pub fn asperity_pillars(answer: AsperityAnswer<'_>) -> Table {
             numbers("gap_m", &|_, state| state.gap),
         ],
     }
+}
+
+/// A load step of a cycle: a row of `cycle.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end with the symbol of the unit
+pub struct AsperityStepRow {
+    /// `loading` or `unloading`.
+    pub branch: &'static str,
+    /// Indentation, m.
+    pub indentation_m: f64,
+    /// Normal force, N; negative in tension.
+    pub force_N: f64,
+    /// Area of all contacts, m^2.
+    pub contact_area_m2: f64,
+    /// Distance of the farthest point in contact from the lens axis, m.
+    pub contact_radius_m: f64,
+    /// Number of pillars in contact.
+    pub pillars_in_contact: usize,
+    /// Number of events so far.
+    pub events: usize,
+}
+
+impl From<&AsperityLoadStep> for AsperityStepRow {
+    fn from(step: &AsperityLoadStep) -> Self {
+        Self {
+            branch: step.branch.name(),
+            indentation_m: step.indentation,
+            force_N: step.force,
+            contact_area_m2: step.contact_area,
+            contact_radius_m: step.contact_radius,
+            pillars_in_contact: step.pillars_in_contact,
+            events: step.events,
+        }
+    }
+}
+
+/// A contact that begins or ends: a row of `events.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(non_snake_case)] // names end with the symbol of the unit
+pub struct AsperityEventRow {
+    /// `loading` or `unloading`.
+    pub branch: &'static str,
+    /// `snap_in` or `release`.
+    pub event: &'static str,
+    /// Indentation after the event, m.
+    pub indentation_m: f64,
+    /// Force after the event, N.
+    pub force_N: f64,
+    /// Number of the pillar, from 0.
+    pub pillar: usize,
+    /// Its position, m.
+    pub x_m: f64,
+    /// Its position, m.
+    pub y_m: f64,
+    /// Radius of the contact after it begins or before it ends, m.
+    pub contact_radius_m: f64,
+}
+
+impl From<&AsperityEvent> for AsperityEventRow {
+    fn from(event: &AsperityEvent) -> Self {
+        Self {
+            branch: event.branch.name(),
+            event: event.kind.name(),
+            indentation_m: event.indentation,
+            force_N: event.force,
+            pillar: event.asperity,
+            x_m: event.apex[0],
+            y_m: event.apex[1],
+            contact_radius_m: event.radius,
+        }
+    }
+}
+
+/// Warnings of a cycle.
+#[must_use]
+pub fn asperity_cycle_warnings(case: &AsperityCase, cycle: &AsperityCycle) -> Vec<String> {
+    let mut words = warnings_of(&[], cycle.termination, cycle.unresolved());
+    let of_turn = asperity_warnings(AsperityAnswer::of(case, &cycle.turn));
+    words.extend(
+        of_turn
+            .into_iter()
+            .filter(|it| !words.contains(it))
+            .collect::<Vec<_>>(),
+    );
+    words
 }

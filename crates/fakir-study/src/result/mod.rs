@@ -16,7 +16,10 @@ mod verify;
 
 pub use adhesion::{ANNULI_ALONE, AdhesionObject, AdhesiveFloorObject, PullOffRow};
 pub use approach::{ApproachSummary, approach_table};
-pub use asperities::{asperity_pillars, asperity_warnings, left_out_words};
+pub use asperities::{
+    AsperityEventRow, AsperityStepRow, asperity_cycle_warnings, asperity_pillars,
+    asperity_warnings, left_out_words,
+};
 pub use compare::{CompareSummary, MethodRow};
 pub use cycle::{CycleSummary, EventRow, FloorRow, LoadStepRow, cycle_warnings};
 pub use history::HistorySummary;
@@ -34,10 +37,10 @@ pub type StuckFloorObject = AdhesiveFloorObject;
 
 use crate::output::File;
 use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};
-use fakir::problem::{FlatSystem, Load};
+use fakir::problem::{AsperityArray, FlatSystem, Load};
 use fakir::state::{
-    Contact, ContactState, CriticalState, FlatCycle, SurfaceContact, SurfaceTransition,
-    Termination, Unresolved, Warning,
+    AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact,
+    SurfaceTransition, Termination, Unresolved, Warning,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use serde::Serialize;
@@ -181,6 +184,23 @@ pub fn flat_cycle(
     Object::of(cycle)
         .with_limits(cycle.turn.limits(system, range))
         .timed(wall_time)
+}
+
+/// A cycle of rounded tops: what `fakir cycle --json` prints. Limits are those of the end of the loading, if the range of the attraction is
+/// given.
+#[must_use]
+pub fn asperity_cycle(
+    cycle: &AsperityCycle,
+    field: &AsperityArray,
+    range: Option<f64>,
+    wall_time: f64,
+) -> Object {
+    let object = Object::of(cycle);
+    let object = match range {
+        Some(_) => object.with_limits(cycle.turn.limits(field, range)),
+        None => object,
+    };
+    object.timed(wall_time)
 }
 
 /// A contact with rounded tops.

@@ -258,7 +258,19 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
         let moment: f64 = pillars
             .map(|(asperity, state)| asperity.apex[0] * state.force)
             .sum();
-        return Ok([numbers(&Record::of(&answer)), vec![moment]].concat());
+        let mut found = [numbers(&Record::of(&answer)), vec![moment]].concat();
+        if question == Question::Cycle {
+            let plan = CyclePlan {
+                turn: load.into(),
+                ..CyclePlan::default()
+            };
+            let cycle = case
+                .field
+                .cycle(plan, case.accuracy, &run)
+                .map_err(refused)?;
+            found.extend(cycle.pull_off.map(|contact| contact.force));
+        }
+        return Ok(found);
     }
     let asked = match question {
         Question::Transition | Question::PastTransition => fakir::problem::Question::Transition,

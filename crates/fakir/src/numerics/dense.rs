@@ -191,6 +191,15 @@ impl Lu {
         }
     }
 
+    /// Whether the determinant is negative.
+    #[must_use]
+    pub fn has_negative_determinant(&self) -> bool {
+        let diagonal = self.columns().filter(|(k, column)| column[*k] < 0.0);
+        let exchanges = self.pivots.iter().enumerate();
+        let exchanges = exchanges.filter(|(row, other)| row != *other);
+        (diagonal.count() + exchanges.count()) % 2 == 1
+    }
+
     fn columns(&self) -> impl DoubleEndedIterator<Item = (usize, &[f64])> {
         self.factors.chunks_exact(self.size.max(1)).enumerate()
     }

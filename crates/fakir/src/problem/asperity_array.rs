@@ -1,5 +1,6 @@
 //! Pillars with rounded tops.
 
+use super::adhesion::Adhesion;
 use super::interactions::Interactions;
 use super::lens::Material;
 use super::point::Point;
@@ -65,6 +66,7 @@ pub struct AsperityArray {
     substrate: Material,
     asperities: Vec<Asperity>,
     interactions: Interactions,
+    adhesion: Adhesion,
 }
 
 /// The reason why an array of asperities is invalid.
@@ -139,6 +141,7 @@ impl AsperityArray {
             substrate,
             asperities,
             interactions: Interactions::NONE,
+            adhesion: Adhesion::NONE,
         })
     }
 
@@ -153,10 +156,38 @@ impl AsperityArray {
         })
     }
 
+    /// The same array with adhesion of the tops. [`Adhesion::floor`] has no meaning here.
+    ///
+    /// # Errors
+    /// Works of adhesion must be zero or positive, and the receding one at least the other.
+    pub fn with_adhesion(self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            adhesion: adhesion.checked()?,
+            ..self
+        })
+    }
+
     /// The interactions that do not change the normal contact.
     #[must_use]
     pub fn interactions(&self) -> &Interactions {
         &self.interactions
+    }
+
+    /// The adhesion of the tops.
+    #[must_use]
+    pub fn adhesion(&self) -> Adhesion {
+        self.adhesion
+    }
+
+    /// Tabor number of an attraction of this range `h_0` (m) on the asperity with the largest one, `(R w^2/E*^2)^(1/3)/h_0`, with the receding
+    /// work of adhesion.
+    #[must_use]
+    pub fn tabor_number(&self, range: f64) -> f64 {
+        let elastic = self.adhesion.receding() / self.reduced_modulus();
+        let radii = self.asperities.iter().map(|asperity| asperity.top_radius);
+        let radius = radii.fold(0.0, f64::max);
+        let curvature = radius.recip() + self.lens_radius().recip();
+        (elastic * elastic / curvature).cbrt() / range
     }
 
     /// The body that is pressed onto the asperities.

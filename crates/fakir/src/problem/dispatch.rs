@@ -206,6 +206,21 @@ impl Unsupported {
     };
 }
 
+impl Unsupported {
+    /// Designed heights of adhesive tops.
+    pub const HEIGHTS_OF_ADHESIVE_TOPS: Self = Self {
+        why: "heights are designed for tops without adhesion: with it the curve jumps where contacts begin",
+        instead: "leave out the work of adhesion, and compute the designed tops with it by `approach`",
+        with: &[ADHESIVE_TOPS],
+    };
+    /// Cycles of rounded tops with two works of adhesion.
+    pub(crate) const BUT_FOR_ONE_WORK: Self = Self {
+        why: "a cycle of rounded tops supports one work of adhesion, and here that of breaking contact is larger",
+        instead: "leave out the receding work of adhesion; its value as the work of adhesion gives the pull-off force",
+        with: &[ADHESIVE_TOPS],
+    };
+}
+
 /// A row with one of the common reasons.
 const fn line(asked: &'static [Question], of: &'static [Solver], reason: Unsupported) -> Rule {
     Rule { asked, of, reason }
@@ -443,9 +458,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
-        "adhesion of rounded pillar tops is not supported",
-        "leave out the works of adhesion, or the radius of curvature of the tops",
+        &[ADHESIVE_FLOOR],
+        "floor contact is not computed under rounded tops, so that the floor cannot be adhesive",
+        "use adhesion of the tops only",
     ),
     rule(
         ANY,
@@ -483,13 +498,6 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
-        &[Question::AttractionRange],
-        ASPERITIES,
-        &[],
-        "the range of the attraction applies to adhesive tops, and rounded tops are not adhesive",
-        "leave it out",
-    ),
-    rule(
         &[Question::Limits],
         ASPERITIES,
         &[],
@@ -516,7 +524,6 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[
-            Question::Cycle,
             Question::Verify,
             Question::Theory,
             Question::Compare,
@@ -528,7 +535,7 @@ static RULES: &[Rule] = &[
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `approach`, `sweep` and `design --free heights` support rounded tops",
+        "leave out the radius of curvature of the tops; `press`, `approach`, `cycle`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(

@@ -20,6 +20,8 @@ pub(crate) struct Disc {
     pub(crate) centre: Point,
     pub(crate) radius: f64,
     pub(crate) hold: Hold,
+    /// Adhesion at a free edge, `sqrt(2 w/(pi E*))`: the edge has the moment `-grip r^(3/2)`. Zero without adhesion.
+    pub(crate) grip: f64,
 }
 
 /// A set of disc-shaped contacts, which is not necessarily the solution.
@@ -37,6 +39,31 @@ pub(crate) struct Contacts {
 }
 
 impl Contacts {
+    /// Distance from the lens axis to the farthest point in contact.
+    pub(crate) fn reach(&self) -> f64 {
+        let reaches = self.discs.iter();
+        let reaches = reaches.map(|disc| disc.centre[0].hypot(disc.centre[1]) + disc.radius);
+        reaches.fold(0.0, f64::max)
+    }
+
+    /// Contacts between these and others on the same asperities, as the start of an iteration.
+    pub(crate) fn between(&self, other: &Self, part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + part * (b - a);
+        let discs = self.discs.iter().zip(&other.discs);
+        let discs = discs.map(|(one, two)| Disc {
+            centre: [0, 1].map(|k| mix(one.centre[k], two.centre[k])),
+            radius: mix(one.radius, two.radius),
+            ..*one
+        });
+        let moments = self.moments.iter().zip(&other.moments);
+        Self {
+            indentation: mix(self.indentation, other.indentation),
+            discs: discs.collect(),
+            moments: moments.map(|(one, two)| mix(*one, *two)).collect(),
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn largest_radius(&self) -> f64 {
         self.discs
             .iter()
@@ -60,6 +87,12 @@ impl Contacts {
 }
 
 impl Disc {
+    /// Edge moment of the tension that adhesion holds, and its derivative with respect to the radius.
+    pub(crate) fn pull(&self) -> [f64; 2] {
+        let root = self.radius.sqrt();
+        [self.grip * self.radius * root, 1.5 * self.grip * root]
+    }
+
     pub(crate) fn distance(&self, [x, y]: Point) -> f64 {
         (self.centre[0] - x).hypot(self.centre[1] - y)
     }

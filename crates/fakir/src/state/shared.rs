@@ -1,6 +1,7 @@
 //! Common properties of all results, and of all contacts by pillars or by cells.
 
 use super::asperity_contact::AsperityContact;
+use super::asperity_cycle::AsperityCycle;
 use super::contact::{ContactState, Termination, Warning};
 use super::cycle::Cycle;
 use super::flat::{FlatContact, FlatCycle};
@@ -100,6 +101,16 @@ impl Solution for AsperityContact {
 
     fn unresolved(&self) -> Option<Unresolved> {
         AsperityContact::unresolved(self)
+    }
+}
+
+impl Solution for AsperityCycle {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        AsperityCycle::unresolved(self)
     }
 }
 

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod adhesion;
+mod adhesive_asperities;
 mod arrangements;
 mod asperities;
 mod common;

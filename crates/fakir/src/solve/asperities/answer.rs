@@ -2,8 +2,9 @@
 
 use super::climb::Found;
 use super::equations::Equations;
+use super::follow::{Ended, Here, Path, Stop};
 use super::load::{Layout, Shape};
-use super::newton::{self, Settled, Trouble};
+use super::newton::{self, Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::numerics::dense::Lu;
 use crate::problem::load::Prescribed;
@@ -12,7 +13,7 @@ use crate::state::asperity_contact::{
     AsperityContact, AsperityErrors, AsperitySlopes, AsperityState,
 };
 use crate::state::discs::{Contacts, Hold};
-use crate::state::{PillarStatus, Run, SolveError, Termination};
+use crate::state::{Branch, PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -33,7 +34,7 @@ const DRAWN: f64 = 0.5;
 const LARGEST_CONTACT: f64 = 0.5;
 
 /// Degree of the pressure on a contact. The error is estimated with a degree higher by two.
-fn degree(accuracy: Accuracy) -> usize {
+pub(super) fn degree(accuracy: Accuracy) -> usize {
     match accuracy {
         Accuracy::Default => 2,
         Accuracy::Accurate => 4,
@@ -42,25 +43,33 @@ fn degree(accuracy: Accuracy) -> usize {
 
 /// Units of an asperity array: length (m) and pressure (Pa).
 #[derive(Debug, Clone, Copy)]
-struct Units {
-    length: f64,
-    pressure: f64,
+pub(super) struct Units {
+    pub(super) length: f64,
+    pub(super) pressure: f64,
 }
 
 impl Units {
-    fn force(self) -> f64 {
+    pub(super) fn force(self) -> f64 {
         self.pressure * self.length * self.length
+    }
+
+    pub(super) fn stiffness(self) -> f64 {
+        self.pressure * self.length
+    }
+
+    pub(super) fn energy(self) -> f64 {
+        self.force() * self.length
     }
 }
 
 /// Data shared by all contacts of an asperity array.
-struct Bench {
-    layout: Layout,
-    units: Units,
+pub(super) struct Bench {
+    pub(super) layout: Layout,
+    pub(super) units: Units,
 }
 
 impl Bench {
-    fn new(field: &AsperityArray) -> Self {
+    pub(super) fn new(field: &AsperityArray) -> Self {
         let radii = field
             .asperities()
             .iter()
@@ -79,13 +88,15 @@ impl Bench {
         let shape = Shape {
             radius: field.lens_radius() / units.length,
         };
+        let work = field.adhesion().work / (units.pressure * units.length);
+        let asperities = field.asperities().iter().map(scaled).collect();
         Self {
-            layout: Layout::new(field.asperities().iter().map(scaled).collect(), shape),
+            layout: Layout::new(asperities, shape, work),
             units,
         }
     }
 
-    fn target(&self, load: Load) -> Result<Prescribed, SolveError> {
+    pub(super) fn target(&self, load: Load) -> Result<Prescribed, SolveError> {
         let Units { length, pressure } = self.units;
         let load = match load {
             Load::Indentation(value) => {
@@ -126,7 +137,17 @@ impl Bench {
                 (settled, termination)
             }
         };
-        let reach = reach(&settled.contacts);
+        self.check(equations, &settled.contacts)?;
+        Ok((settled, termination))
+    }
+
+    /// Refuses contacts that reach too far from the lens axis, and an asperity that is touched at its rim.
+    pub(super) fn check(
+        &self,
+        equations: &mut Equations<'_>,
+        contacts: &Contacts,
+    ) -> Result<(), SolveError> {
+        let reach = contacts.reach();
         let lens_radius = self.layout.shape.radius;
         if reach > LARGEST_CONTACT * lens_radius {
             return Err(SolveError::ContactExceedsLens {
@@ -134,13 +155,52 @@ impl Bench {
                 lens_radius: lens_radius * self.units.length,
             });
         }
-        if let Some(asperity) = equations.touched_at_rim(&settled.contacts) {
+        if let Some(asperity) = equations.touched_at_rim(contacts) {
             return Err(SolveError::TouchedAtRim {
                 asperity,
                 rim_radius: equations.rim(asperity) * self.units.length,
             });
         }
-        Ok((settled, termination))
+        Ok(())
+    }
+
+    /// Why a path ended before its end.
+    pub(super) fn ended(
+        &self,
+        ended: Ended,
+        contacts: &Contacts,
+        force: f64,
+    ) -> Result<Termination, SolveError> {
+        match ended {
+            Ended::Error(error) => Err(error),
+            Ended::Trouble(Trouble::Crowded(asperities)) => Err(SolveError::ContactsMerge {
+                asperities,
+                indentation: contacts.indentation * self.units.length,
+                force: force * self.units.force(),
+            }),
+            Ended::Trouble(Trouble::NotFinite) => Ok(Termination::NotFinite),
+            Ended::Trouble(Trouble::Unsettled) => Ok(Termination::Stagnated),
+        }
+    }
+
+    /// The contact of a state with adhesion, without an error estimate.
+    pub(super) fn contact_of(
+        &self,
+        equations: &Equations<'_>,
+        here: &Here,
+        accuracy: Accuracy,
+    ) -> AsperityContact {
+        let Settled {
+            contacts, factors, ..
+        } = &here.settled;
+        let slopes = equations.slopes(contacts, factors.as_ref());
+        let steps = here.settled.steps;
+        self.assemble(
+            equations,
+            (contacts.clone(), slopes),
+            (Termination::Converged, steps),
+            accuracy,
+        )
     }
 
     /// Assembles the result, without an error estimate.
@@ -151,10 +211,24 @@ impl Bench {
         termination: Termination,
         accuracy: Accuracy,
     ) -> AsperityContact {
+        let slopes = equations.slopes(&settled.contacts, settled.factors.as_ref());
+        self.assemble(
+            equations,
+            (settled.contacts, slopes),
+            (termination, settled.steps),
+            accuracy,
+        )
+    }
+
+    fn assemble(
+        &self,
+        equations: &Equations<'_>,
+        (contacts, slopes): (Contacts, [Vec<f64>; 2]),
+        (termination, iterations): (Termination, usize),
+        accuracy: Accuracy,
+    ) -> AsperityContact {
         let Units { length, .. } = self.units;
         let size = equations.modes();
-        let contacts = settled.contacts;
-        let slopes = equations.slopes(&contacts, settled.factors.as_ref());
         let mut asperities: Vec<AsperityState> = contacts
             .nearest
             .iter()
@@ -187,7 +261,7 @@ impl Bench {
             indentation: contacts.indentation * length,
             force: equations.force(&contacts) * self.units.force(),
             area: PI * area * length * length,
-            contact_radius: lens.then(|| reach(&contacts) * length),
+            contact_radius: lens.then(|| contacts.reach() * length),
             asperities,
             slopes: AsperitySlopes {
                 force_with_indentation: slopes[0].iter().sum::<f64>() * stiffness,
@@ -197,43 +271,38 @@ impl Bench {
             },
             error: None,
             termination,
-            iterations: settled.steps,
+            iterations,
             contacts: Arc::new(contacts),
         }
     }
 }
 
-/// Distance from the lens axis to the farthest point in contact.
-fn reach(contacts: &Contacts) -> f64 {
-    let reaches = contacts.discs.iter();
-    let reaches = reaches.map(|disc| disc.centre[0].hypot(disc.centre[1]) + disc.radius);
-    reaches.fold(0.0, f64::max)
-}
-
 impl Equations<'_> {
-    /// Relative errors of force and area because contacts are modelled as discs rather than ovals, and because of tension at the edges of
-    /// contacts that lean on the rim or fill the top.
-    fn shape_errors(&self, contacts: &Contacts) -> [f64; 2] {
+    /// Error of the force, and relative error of the area, because contacts are modelled as discs rather than ovals, and because of tension
+    /// at the edges of contacts that lean on the rim or fill the top.
+    pub(super) fn shape_errors(&self, contacts: &Contacts) -> [f64; 2] {
         let size = self.modes();
         // Amplitude of `rho^2 cos(2 theta)` per unit coefficient of its mode.
         let oval = 4.0 / 15.0 * 15f64.sqrt() * PI / UNIT_FORCE;
         let second = eigenvalue(2, 2);
-        let (mut doubts, mut totals) = ([0.0; 2], [0.0; 2]);
+        let (mut doubts, mut total) = ([0.0; 2], 0.0);
         for (disc, moments) in contacts
             .discs
             .iter()
             .zip(contacts.moments.chunks_exact(size))
         {
             let area = disc.radius * disc.radius;
-            totals[0] += moments[0];
-            totals[1] += area;
+            total += area;
+            // The parts of the force with and without adhesion may cancel.
+            let [pull, _] = disc.pull();
+            let pressed = moments[0].abs() + UNIT_FORCE * pull;
             let curvature = self.layout.summits[disc.asperity].curvature;
             let uneven = moments[4].hypot(moments[5]) * second / (oval * disc.radius);
             let uneven = uneven / (0.5 * curvature * area);
             let mut doubt = OVAL.map(|part| part * uneven * uneven);
             if disc.hold != Hold::Free {
-                let [mean, x, y] = self.edge.values(moments);
-                let drawn = (x.hypot(y) - mean).max(0.0) / (moments[0] / UNIT_FORCE);
+                let [mean, x, y] = self.edge.excess(disc, moments);
+                let drawn = (x.hypot(y) - mean).max(0.0) / (pressed / UNIT_FORCE);
                 doubt = match disc.hold {
                     Hold::Whole => [0.0; 2],
                     _ => doubt,
@@ -241,10 +310,10 @@ impl Equations<'_> {
                 doubt[0] += DRAWN * drawn * drawn;
                 doubt[1] += drawn;
             }
-            doubts[0] += moments[0] * doubt[0];
+            doubts[0] += pressed * doubt[0];
             doubts[1] += area * doubt[1];
         }
-        [doubts[0] / totals[0], doubts[1] / totals[1]]
+        [UNIT_FORCE * doubts[0], doubts[1] / total]
     }
 
     /// Derivatives of force and area with respect to the height of every asperity, at constant indentation.
@@ -264,8 +333,38 @@ impl Equations<'_> {
     }
 }
 
+impl Bench {
+    /// The contact with adhesion on loading, from first touch on.
+    fn loaded(
+        &self,
+        equations: &mut Equations<'_>,
+        target: Prescribed,
+        accuracy: Accuracy,
+        run: &Run<'_>,
+    ) -> Result<AsperityContact, SolveError> {
+        let mut path = Path::new(equations, run)?;
+        let stop = match target {
+            Prescribed::Indentation(indentation) => Stop::Indentation(indentation),
+            Prescribed::Force(force) => Stop::Force(force),
+        };
+        let ended = path.follow(Branch::Loading, stop).err();
+        let Path {
+            equations, here, ..
+        } = path;
+        self.check(equations, &here.settled.contacts)?;
+        let mut contact = self.contact_of(equations, &here, accuracy);
+        if let Some(ended) = ended {
+            contact.termination = self.ended(ended, &here.settled.contacts, here.force)?;
+        } else if let Prescribed::Force(force) = target {
+            // The iteration ends next to the prescribed force, by rounding.
+            contact.force = force * self.units.force();
+        }
+        Ok(contact)
+    }
+}
+
 /// The same contacts with a different number of pressure modes.
-fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
+pub(super) fn with_modes(contacts: &Contacts, from: usize, to: usize) -> Contacts {
     let pad = |moments: &[f64]| -> Vec<f64> {
         let rest = std::iter::repeat_n(0.0, to - from);
         moments.iter().copied().chain(rest).collect()
@@ -283,6 +382,11 @@ impl AsperityArray {
     /// difference from the solution two degrees higher with the error of modelling oval contacts as discs, which is computed from the
     /// difference of the curvatures along the two axes.
     ///
+    /// With [adhesion](AsperityArray::adhesion) the result is the contact during loading, from first touch on: asperities jump into contact where
+    /// they touch the lens. For a prescribed force, it is the first state that reaches this force; for zero force, the lens is in equilibrium
+    /// after the jump. The error of the force is then relative to the force or to the sum of the pull-off forces `3/2 pi w R` of all contacts,
+    /// whichever is larger, since the force may be zero.
+    ///
     /// # Errors
     /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
     /// a contact too large for the lens or for the memory limit, or cancellation. [`Load::FloorContact`] returns [`SolveError::NoFloor`]:
@@ -297,7 +401,11 @@ impl AsperityArray {
         let target = bench.target(control)?;
         let mut contact = self.solve(&bench, target, (accuracy, None), run)?;
         if contact.converged() {
-            contact.error = bench.estimate(&contact, target, run)?;
+            contact.error = if self.adhesion().work > 0.0 {
+                bench.errors_of(&contact, Aim::Load(target), run)?
+            } else {
+                bench.estimate(&contact, target, run)?
+            };
         }
         contact.checked()
     }
@@ -331,6 +439,9 @@ impl AsperityArray {
         run: &Run<'_>,
     ) -> Result<AsperityContact, SolveError> {
         let mut equations = Equations::new(&bench.layout, degree(accuracy));
+        if self.adhesion().work > 0.0 {
+            return bench.loaded(&mut equations, target, accuracy, run);
+        }
         let found = equations.find(target, near, run)?;
         let (settled, termination) = bench.found(&mut equations, found)?;
         Ok(bench.contact(&equations, settled, termination, accuracy))
@@ -357,20 +468,64 @@ impl Bench {
             return Ok(None);
         }
         let fine = self.contact(&fine, settled, termination, contact.accuracy);
-        let coarse = Equations::new(&self.layout, low);
-        let [force, area] = coarse.shape_errors(&contact.contacts);
-        let stiffness = contact.slopes.force_with_indentation;
-        let relative = |a: f64, b: f64| (a / b - 1.0).abs();
-        let mut errors = AsperityErrors {
-            force: DEGREES * relative(fine.force, contact.force) + force,
-            area: DEGREES * relative(fine.area, contact.area) + area,
-            indentation: DEGREES * (fine.indentation - contact.indentation).abs()
-                + force * contact.force / stiffness,
-        };
-        match target {
-            Prescribed::Indentation(_) => errors.indentation = 0.0,
-            Prescribed::Force(_) => errors.force = 0.0,
+        Ok(Some(self.difference(contact, &fine, Aim::Load(target))))
+    }
+
+    /// Error estimate of a contact with adhesion: the asperities in contact are those of the solution, since they depend on the path.
+    pub(super) fn errors_of(
+        &self,
+        contact: &AsperityContact,
+        aim: Aim,
+        run: &Run<'_>,
+    ) -> Result<Option<AsperityErrors>, SolveError> {
+        if contact.contacts.discs.is_empty() {
+            return Ok(Some(AsperityErrors::default()));
         }
-        Ok(Some(errors))
+        let low = degree(contact.accuracy);
+        let mut fine = Equations::new(&self.layout, low + 2);
+        let start = with_modes(&contact.contacts, mode_count(low), fine.modes());
+        let Ok(settled) = fine.settle_same(start, aim, run)? else {
+            return Ok(None);
+        };
+        let fine = self.contact(&fine, settled, Termination::Converged, contact.accuracy);
+        Ok(Some(self.difference(contact, &fine, aim)))
+    }
+
+    fn difference(
+        &self,
+        contact: &AsperityContact,
+        fine: &AsperityContact,
+        aim: Aim,
+    ) -> AsperityErrors {
+        let coarse = Equations::new(&self.layout, degree(contact.accuracy));
+        let [force, area] = coarse.shape_errors(&contact.contacts);
+        let force = force * self.units.force();
+        let scale = contact
+            .force
+            .abs()
+            .max(self.pull_off_scale(&contact.contacts));
+        let stiffness = contact.slopes.force_with_indentation;
+        let mut errors = AsperityErrors {
+            force: (DEGREES * (fine.force - contact.force).abs() + force) / scale,
+            area: DEGREES * (fine.area / contact.area - 1.0).abs() + area,
+            indentation: DEGREES * (fine.indentation - contact.indentation).abs()
+                + force / stiffness.abs(),
+        };
+        match aim {
+            Aim::Load(Prescribed::Indentation(_)) => errors.indentation = 0.0,
+            Aim::Load(Prescribed::Force(_)) => errors.force = 0.0,
+            Aim::Machine { .. } | Aim::Radius { .. } => {}
+        }
+        errors
+    }
+
+    /// Sum of the pull-off forces of all contacts as isolated ones, N: `3/2 pi w R`. Zero without adhesion.
+    fn pull_off_scale(&self, contacts: &Contacts) -> f64 {
+        let pull = PI * self.layout.grip;
+        let forces = contacts.discs.iter().map(|disc| {
+            // pi w R, with `w = pi grip^2/2` in units of the modulus.
+            0.75 * pull * pull / self.layout.summits[disc.asperity].curvature
+        });
+        forces.sum::<f64>() * self.units.force()
     }
 }

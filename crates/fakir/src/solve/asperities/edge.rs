@@ -14,6 +14,10 @@
 //! `hypot(q1, q2) <= 2 q0`. The two cases meet where the contact just reaches the rim or just fills the top. A contact that leans on the
 //! rim is modelled by a disc without the part beyond the rim and extended slightly on the opposite side, where its edge is in tension: the
 //! error of its force is of second order in that extension.
+//!
+//! With adhesion the energy release rate at a free edge is the work of adhesion `w`: `q0 = -sqrt(2 w E*/(pi r))` and `q1 = q2 = 0` (K. L.
+//! Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). At a rim the conditions above hold for `q0` above this value. This
+//! is the condition of the largest release of energy, to first order in the difference of the edge tension from that of a free edge.
 
 use crate::halfspace::disc::basis::{Mode, equator_value};
 use crate::state::discs::{Disc, Hold};
@@ -76,13 +80,20 @@ impl Edge {
         values
     }
 
+    /// The same with `q0` above its value at a free edge.
+    pub(crate) fn excess(&self, disc: &Disc, moments: &[f64]) -> [f64; 3] {
+        let [mean, x, y] = self.values(moments);
+        [mean + disc.pull()[0], x, y]
+    }
+
     /// Changes the first three moments so that the edge satisfies the condition at the rim.
-    pub(crate) fn enforce(&self, hold: Hold, moments: &mut [f64]) {
-        let target = match hold {
-            Hold::Free => [0.0; 3],
+    pub(crate) fn enforce(&self, disc: &Disc, moments: &mut [f64]) {
+        let [pull, _] = disc.pull();
+        let target = match disc.hold {
+            Hold::Free => [-pull, 0.0, 0.0],
             Hold::Leaning { angle, edge } => {
                 let uneven = LEANING * edge;
-                [edge, uneven * angle.cos(), uneven * angle.sin()]
+                [edge - pull, uneven * angle.cos(), uneven * angle.sin()]
             }
             Hold::Whole => return,
         };
@@ -117,8 +128,11 @@ impl Edge {
             }
         }
         let moment = |k: usize, row: usize| columns[k * size + row] / self.first(k);
+        let [_, pull] = disc.pull();
         for row in 0..size {
             let [x, y, radius] = geometry.map(|slope| slope[row]);
+            // The tension at the edge changes with the radius.
+            let radius = radius - pull * moment(0, row);
             let step = match disc.hold {
                 Hold::Free | Hold::Whole => [x, y, radius],
                 Hold::Leaning { angle, edge } => {
@@ -150,7 +164,7 @@ impl Edge {
                 reduced[mode] = -part * mean;
             }
         }
-        reduced[2] = radius;
+        reduced[2] = radius - disc.pull()[1] * mean / self.first(0);
         if let Hold::Leaning { .. } = disc.hold {
             reduced[0] = mean / self.first(0);
         }

@@ -19,6 +19,8 @@ pub(crate) struct Equations<'a> {
     pub(crate) rule: LoadRule,
     /// `lambda` of every mode.
     pub(crate) eigenvalues: Vec<f64>,
+    /// Adhesion at the edge of a new contact: see [`Disc::grip`](crate::state::discs::Disc).
+    pub(crate) grip: f64,
 }
 
 /// The equations linearised at given contacts.
@@ -39,8 +41,19 @@ impl<'a> Equations<'a> {
             edge: Edge::new(pair.modes()),
             eigenvalues: eigenvalues.collect(),
             rule: LoadRule::new(degree),
+            grip: layout.grip,
             pair,
         }
+    }
+
+    /// Degree of the pressure.
+    pub(crate) fn degree(&self) -> usize {
+        self.pair
+            .modes()
+            .iter()
+            .map(|mode| mode.degree)
+            .max()
+            .unwrap_or(0)
     }
 
     /// Number of modes of a disc.

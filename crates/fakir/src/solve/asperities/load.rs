@@ -53,6 +53,8 @@ pub(crate) struct Layout {
     pub(crate) shape: Shape,
     /// First contact point of each asperity by itself.
     pub(crate) summits: Vec<Summit>,
+    /// Adhesion: see [`Disc::grip`](crate::state::discs::Disc).
+    pub(crate) grip: f64,
 }
 
 /// The point of an asperity that is closest to the indenter.
@@ -67,7 +69,8 @@ pub(crate) struct Summit {
 }
 
 impl Layout {
-    pub(crate) fn new(asperities: Vec<Asperity>, shape: Shape) -> Self {
+    /// The layout, with a work of adhesion in units of the modulus and the length.
+    pub(crate) fn new(asperities: Vec<Asperity>, shape: Shape, work: f64) -> Self {
         let summits = asperities
             .iter()
             .map(|asperity| summit(asperity, shape))
@@ -76,6 +79,20 @@ impl Layout {
             asperities,
             shape,
             summits,
+            grip: (2.0 * work / std::f64::consts::PI).sqrt(),
+        }
+    }
+
+    /// The first asperity alone, without a rim.
+    pub(crate) fn only_first(&self) -> Self {
+        let alone = |asperity: &Asperity| Asperity {
+            rim_radius: None,
+            ..*asperity
+        };
+        Self {
+            asperities: self.asperities.iter().take(1).map(alone).collect(),
+            summits: self.summits.iter().take(1).copied().collect(),
+            ..*self
         }
     }
 

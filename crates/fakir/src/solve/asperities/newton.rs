@@ -7,7 +7,7 @@
 use super::edge::LEANING;
 use super::equations::Equations;
 use super::load::{Layout, to_summit};
-use super::start::{PointForces, pressed_with_column};
+use super::start::{PointForces, free_radius, pressed_adhesive, pressed_with_column};
 use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::clamped;
@@ -61,6 +61,22 @@ pub(crate) enum Trouble {
     NotFinite,
 }
 
+/// The quantity that a solution is required to have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Aim {
+    Load(Prescribed),
+    /// The indentation plus the force times a compliance.
+    Machine {
+        compliance: f64,
+        value: f64,
+    },
+    /// The radius of a disc that does not fill its top. Along a path with adhesion the indentation is not monotonic, but this radius is.
+    Radius {
+        disc: usize,
+        value: f64,
+    },
+}
+
 /// Result of a step.
 #[derive(Default)]
 struct Stepped {
@@ -107,7 +123,7 @@ impl Equations<'_> {
         contacts
     }
 
-    fn is_inside(&self, asperity: usize, [x, y]: Point) -> bool {
+    pub(crate) fn is_inside(&self, asperity: usize, [x, y]: Point) -> bool {
         let apex = self.layout.asperities[asperity].apex;
         (x - apex[0]).hypot(y - apex[1]) < self.rim(asperity)
     }
@@ -118,8 +134,9 @@ impl Equations<'_> {
         let mut disc = Disc {
             asperity,
             centre: place,
-            radius: (pressed / curvature).sqrt(),
+            radius: free_radius(pressed, curvature, self.grip),
             hold: Hold::Free,
+            grip: self.grip,
         };
         self.constrain_at_rim(&mut disc);
         let mut load = self.rule.workspace();
@@ -132,7 +149,7 @@ impl Equations<'_> {
             .zip(&self.eigenvalues)
             .map(|(load, eigenvalue)| disc.radius * load / eigenvalue)
             .collect();
-        self.edge.enforce(disc.hold, &mut moments);
+        self.edge.enforce(&disc, &mut moments);
         (disc, moments)
     }
 
@@ -167,11 +184,38 @@ impl Equations<'_> {
     /// Iterates from these contacts to contacts that satisfy all conditions.
     pub(crate) fn settle(
         &mut self,
-        mut contacts: Contacts,
+        contacts: Contacts,
         target: Prescribed,
         run: &Run<'_>,
     ) -> Result<Result<Settled, Trouble>, SolveError> {
-        if let Prescribed::Indentation(indentation) = target {
+        self.iterate(contacts, Aim::Load(target), true, run)
+    }
+
+    /// The same with the asperities that are in contact already, whether others overlap with the indenter or not: their gaps are computed
+    /// at the end.
+    pub(crate) fn settle_same(
+        &mut self,
+        contacts: Contacts,
+        aim: Aim,
+        run: &Run<'_>,
+    ) -> Result<Result<Settled, Trouble>, SolveError> {
+        let mut settled = self.iterate(contacts, aim, false, run)?;
+        if let Ok(settled) = &mut settled
+            && let Some(asperities) = self.survey(&mut settled.contacts)
+        {
+            return Ok(Err(Trouble::Crowded(asperities)));
+        }
+        Ok(settled)
+    }
+
+    fn iterate(
+        &mut self,
+        mut contacts: Contacts,
+        aim: Aim,
+        adding: bool,
+        run: &Run<'_>,
+    ) -> Result<Result<Settled, Trouble>, SolveError> {
+        if let Aim::Load(Prescribed::Indentation(indentation)) = aim {
             contacts.indentation = indentation;
         }
         let mut crowded = None;
@@ -187,13 +231,17 @@ impl Equations<'_> {
                 (Stepped::default(), None)
             } else {
                 self.check_memory(&contacts, run)?;
-                let (stepped, factors) = self.step(&mut contacts, target);
+                let (stepped, factors) = self.step(&mut contacts, aim);
                 (stepped, Some(factors))
             };
             if !stepped.change.is_finite() || !contacts.indentation.is_finite() {
                 return Ok(Err(Trouble::NotFinite));
             }
-            let swallowed = self.take_up(&mut contacts, &mut stepped);
+            let swallowed = if adding {
+                self.take_up(&mut contacts, &mut stepped)
+            } else {
+                None
+            };
             crowded = stepped.crowded.or(swallowed);
             if let Some(asperities) = swallowed {
                 return Ok(Err(Trouble::Crowded(asperities)));
@@ -244,22 +292,47 @@ impl Equations<'_> {
         rows
     }
 
-    /// Performs one step of Newton's method.
-    fn step(&mut self, contacts: &mut Contacts, target: Prescribed) -> (Stepped, Lu) {
-        let linearised = self.linearised(contacts);
-        let factors = Lu::new(linearised.matrix);
-        let mut step: Vec<f64> = linearised.missing.iter().map(|x| -x).collect();
-        let mut lowering = vec![0.0; step.len()];
+    /// Changes of all components of a step per unit indentation.
+    pub(crate) fn lowering(&self, factors: &Lu, size: usize) -> Vec<f64> {
+        let mut lowering = vec![0.0; size];
         for mean in lowering.iter_mut().step_by(self.modes()) {
             *mean = UNIT_FORCE;
         }
-        factors.solve(&mut step);
         factors.solve(&mut lowering);
-        let lower = match target {
-            Prescribed::Indentation(_) => 0.0,
-            Prescribed::Force(force) => {
+        lowering
+    }
+
+    /// Contacts changed along a direction by this much, as the start of an iteration.
+    pub(crate) fn predicted(&self, contacts: &Contacts, along: &[f64], part: f64) -> Contacts {
+        let mut next = contacts.clone();
+        let step: Vec<f64> = along.iter().map(|value| part * value).collect();
+        next.indentation += part;
+        self.apply(&mut next, &step);
+        next
+    }
+
+    /// Performs one step of Newton's method.
+    fn step(&mut self, contacts: &mut Contacts, aim: Aim) -> (Stepped, Lu) {
+        let linearised = self.linearised(contacts);
+        let factors = Lu::new(linearised.matrix);
+        let mut step: Vec<f64> = linearised.missing.iter().map(|x| -x).collect();
+        factors.solve(&mut step);
+        let lowering = self.lowering(&factors, step.len());
+        let lower = match aim {
+            Aim::Load(Prescribed::Indentation(_)) => 0.0,
+            Aim::Load(Prescribed::Force(force)) => {
                 let [row, _] = self.rows_of_totals(contacts);
                 (force - self.force(contacts) - dot(&row, &step)) / dot(&row, &lowering)
+            }
+            Aim::Machine { compliance, value } => {
+                let [row, _] = self.rows_of_totals(contacts);
+                let reached =
+                    contacts.indentation + compliance * (self.force(contacts) + dot(&row, &step));
+                (value - reached) / (1.0 + compliance * dot(&row, &lowering))
+            }
+            Aim::Radius { disc, value } => {
+                let place = disc * self.modes() + 2;
+                (value - contacts.discs[disc].radius - step[place]) / lowering[place]
             }
         };
         add_scaled(&mut step, lower, &lowering);
@@ -302,7 +375,7 @@ impl Equations<'_> {
             };
             let change = radius * step[2].abs().max(moved);
             stepped.change = stepped.change.max(change / (TOLERANCE * square));
-            if wanted <= NOTHING * square {
+            if wanted <= NOTHING * square && disc.grip <= 0.0 {
                 kept[number] = false;
                 stepped.changed = true;
                 continue;
@@ -339,7 +412,7 @@ impl Equations<'_> {
                     stepped.changed |= self.constrain_at_rim(disc);
                 }
             }
-            self.edge.enforce(disc.hold, moments);
+            self.edge.enforce(disc, moments);
         }
         if kept.contains(&false) {
             let mut number = kept.iter();
@@ -357,7 +430,7 @@ impl Equations<'_> {
 
     /// Detaches a contact that fills its top from the rim where its edge would be in tension. Returns whether it was changed.
     fn loosen(&self, disc: &mut Disc, moments: &mut [f64]) -> bool {
-        let [mean, x, y] = self.edge.values(moments);
+        let [mean, x, y] = self.edge.excess(disc, moments);
         let uneven = x.hypot(y);
         let scale = moments[0].abs();
         if LEANING * mean - uneven >= -1e-12 * scale {
@@ -371,7 +444,7 @@ impl Equations<'_> {
             disc.hold = Hold::Leaning { angle, edge: mean };
             self.lean(disc, angle);
         }
-        self.edge.enforce(disc.hold, moments);
+        self.edge.enforce(disc, moments);
         true
     }
 
@@ -403,20 +476,10 @@ impl Equations<'_> {
     /// Adds contacts on asperities that overlap with the indenter and are not yet in contact. Returns two asperities if the contact of one
     /// has grown over the other.
     fn take_up(&mut self, contacts: &mut Contacts, stepped: &mut Stepped) -> Option<[usize; 2]> {
-        let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.asperity).collect();
-        let waiting: Vec<usize> = (0..self.layout.asperities.len())
-            .filter(|asperity| touched.binary_search(asperity).is_err())
-            .collect();
+        let waiting = self.waiting(contacts);
         let largest = contacts.largest_radius();
         let feeler = FEELER * largest;
-        let mut reach: f64 = 0.0;
-        for asperity in &waiting {
-            for disc in &contacts.discs {
-                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*asperity]);
-                reach = reach.max(part);
-            }
-        }
-        self.pair.prepare(reach.min(0.98));
+        self.prepare_feeler(contacts, &waiting, feeler);
         let mut block = self.pair.workspace();
         let mut fresh = Vec::new();
         for asperity in waiting {
@@ -440,6 +503,66 @@ impl Equations<'_> {
             return None;
         }
         stepped.changed = true;
+        self.insert(contacts, fresh);
+        stepped.crowded = stepped.crowded.or(self.part_discs(contacts));
+        None
+    }
+
+    /// Computes the gaps of all asperities that are not in contact. Returns two asperities if the contact of one has grown over the other.
+    fn survey(&mut self, contacts: &mut Contacts) -> Option<[usize; 2]> {
+        let feeler = FEELER * contacts.largest_radius();
+        let waiting = self.waiting(contacts);
+        self.prepare_feeler(contacts, &waiting, feeler);
+        let mut block = self.pair.workspace();
+        for asperity in waiting {
+            // The second evaluation is at the highest point according to the first.
+            for _ in 0..2 {
+                let feeling = self.feel(contacts, asperity, feeler, &mut block);
+                if let Some(other) = feeling.swallowed {
+                    return Some([other, asperity]);
+                }
+                contacts.nearest[asperity] = feeling.place;
+                contacts.gaps[asperity] = -feeling.overlap;
+            }
+        }
+        None
+    }
+
+    /// The asperities that are not in contact.
+    pub(crate) fn waiting(&self, contacts: &Contacts) -> Vec<usize> {
+        let touched: Vec<usize> = contacts.discs.iter().map(|disc| disc.asperity).collect();
+        (0..self.layout.asperities.len())
+            .filter(|asperity| touched.binary_search(asperity).is_err())
+            .collect()
+    }
+
+    fn prepare_feeler(&mut self, contacts: &Contacts, waiting: &[usize], feeler: f64) {
+        let mut reach: f64 = 0.0;
+        for asperity in waiting {
+            for disc in &contacts.discs {
+                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*asperity]);
+                reach = reach.max(part);
+            }
+        }
+        self.pair.prepare(reach.min(0.98));
+    }
+
+    /// Adds contacts on these asperities, as on isolated asperities of these overlaps.
+    pub(crate) fn with_contacts(&self, contacts: &Contacts, fresh: &[(usize, f64)]) -> Contacts {
+        let seeds = fresh.iter().map(|&(asperity, overlap)| {
+            let curvature = self.layout.summits[asperity].curvature;
+            let compliance = self.layout.asperities[asperity].column_compliance;
+            let pressed = pressed_adhesive(overlap, curvature, compliance, self.grip);
+            self.seed(asperity, contacts.nearest[asperity], pressed)
+        });
+        let seeds: Vec<_> = seeds.collect();
+        let mut all = contacts.clone();
+        self.insert(&mut all, seeds);
+        all
+    }
+
+    /// Inserts contacts with their moments in the order of the asperities.
+    fn insert(&self, contacts: &mut Contacts, fresh: Vec<(Disc, Vec<f64>)>) {
         let size = self.modes();
         let old = contacts.discs.iter().copied();
         let mut all: Vec<(Disc, Vec<f64>)> = old
@@ -449,8 +572,21 @@ impl Equations<'_> {
         all.sort_by_key(|(disc, _)| disc.asperity);
         contacts.discs = all.iter().map(|(disc, _)| *disc).collect();
         contacts.moments = all.into_iter().flat_map(|(_, moments)| moments).collect();
-        stepped.crowded = stepped.crowded.or(self.part_discs(contacts));
-        None
+    }
+
+    /// The same contacts without some of them.
+    pub(crate) fn without(&self, contacts: &Contacts, lost: &[usize]) -> Contacts {
+        let size = self.modes();
+        let keeps = |number: &usize| !lost.contains(number);
+        let kept: Vec<usize> = (0..contacts.discs.len()).filter(keeps).collect();
+        Contacts {
+            discs: kept.iter().map(|k| contacts.discs[*k]).collect(),
+            moments: kept
+                .iter()
+                .flat_map(|k| contacts.moments[k * size..(k + 1) * size].to_vec())
+                .collect(),
+            ..contacts.clone()
+        }
     }
 
     /// Overlap of an asperity that is not in contact, at its highest point.

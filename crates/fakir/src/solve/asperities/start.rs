@@ -39,6 +39,57 @@ pub(crate) fn pressed_with_column(overlap: f64, curvature: f64, compliance: f64)
     pressed.max(0.0)
 }
 
+/// Radius of the contact of an isolated asperity at an overlap: of Hertz, or with adhesion the larger of those of Johnson, Kendall and Roberts,
+/// `pressed = k r^2 - pi grip r^(1/2)`. If the overlap is below the smallest one of a contact, it is the radius there.
+pub(crate) fn free_radius(pressed: f64, curvature: f64, grip: f64) -> f64 {
+    if grip <= 0.0 {
+        return (pressed / curvature).sqrt();
+    }
+    let pull = PI * grip;
+    // At the smallest overlap 2 k r = pull/(2 r^(1/2)).
+    let smallest = (0.25 * pull / curvature).powf(2.0 / 3.0);
+    let missing = |radius: f64| curvature * radius * radius - pull * radius.sqrt() - pressed;
+    largest_root(smallest, missing)
+}
+
+/// Overlap of an asperity with adhesion due to its own force, if its column is strained too, at this total overlap.
+pub(crate) fn pressed_adhesive(overlap: f64, curvature: f64, compliance: f64, grip: f64) -> f64 {
+    if compliance <= 0.0 {
+        return overlap;
+    }
+    let pull = PI * grip;
+    let smallest = (0.25 * pull / curvature).powf(2.0 / 3.0);
+    let pressed = |radius: f64| curvature * radius * radius - pull * radius.sqrt();
+    let missing = |radius: f64| {
+        let force = 4.0 / 3.0 * curvature * radius.powi(3) - 2.0 * pull * radius.powf(1.5);
+        pressed(radius) + compliance * force - overlap
+    };
+    pressed(largest_root(smallest, missing))
+}
+
+/// Root of a function that increases from a radius on; this radius if it is positive there.
+fn largest_root(from: f64, missing: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (from, 2.0 * from);
+    if missing(low) >= 0.0 {
+        return low;
+    }
+    for _ in 0..STEP_LIMIT {
+        if missing(high) > 0.0 {
+            break;
+        }
+        (low, high) = (high, 2.0 * high);
+    }
+    for _ in 0..STEP_LIMIT {
+        let middle = 0.5 * (low + high);
+        if missing(middle) > 0.0 {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
 /// Solves for the point forces with a damped Newton method. The last iterate is returned even if it did not converge: it is only a start.
 pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
     let summits = &layout.summits;
