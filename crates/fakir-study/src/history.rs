@@ -1,7 +1,6 @@
 //! The contact of viscoelastic bodies over time, on every kind of surface: from the elastic contacts of its loading curve.
 
 use crate::approach::{ApproachError, Loadable, at};
-use crate::record::{HistoryRow, Record};
 use fakir::problem::{Load, Prescribed, Protocol, ProtocolSegment, Relaxation};
 use fakir::solve::elastic_curve::ElasticCurve;
 use fakir::solve::viscoelastic;
@@ -212,8 +211,6 @@ pub struct Followed<P: Loadable> {
     pub critical: Option<Critical<P::Contact>>,
     /// The instantaneous modulus over the relaxed one.
     pub modulus_ratio: f64,
-    /// The states as records.
-    pub rows: Vec<Record>,
     /// Whether all elastic contacts are answers.
     pub converged: bool,
     /// Total computing time, s.
@@ -339,22 +336,9 @@ pub fn follow<P: Loadable>(
                 .to_owned(),
         );
     }
-    let has_floor = critical.is_some();
-    let rows = history
-        .states
-        .iter()
-        .map(|state| {
-            Record::of(&HistoryRow {
-                state: *state,
-                curve: &curve,
-                has_floor,
-            })
-        })
-        .collect();
     Ok(Followed {
         modulus_ratio: plan.relaxation.instantaneous(),
         history,
-        rows,
         curve,
         critical,
         converged,

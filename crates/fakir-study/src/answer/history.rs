@@ -64,7 +64,7 @@ impl<K: Kind> Found<K> for Computed<K> {
     }
 
     fn text(&self, of: &Context<'_, K>) -> String {
-        let rows = shown(&self.found.rows);
+        let rows = shown(&self.found.rows());
         format!(
             "Viscoelastic contact: {}\n{}\n\n{}\n{}\n{}",
             self.course.words(),
@@ -96,14 +96,13 @@ impl<K: Kind> Found<K> for Computed<K> {
     ) -> Result<Saved, AnswerError> {
         let history_of = &self.found.history;
         let events: Vec<Record> = history_of.events.iter().map(Record::of).collect();
+        let rows = self.found.rows();
         let mut files = vec![
-            csv_of("history.csv", &self.found.rows),
+            csv_of("history.csv", &rows),
             csv_of("history-events.csv", &events),
         ];
         let number = |row: &Record, name: &str| row.number(name);
-        let points: Vec<HistoryPoint> = self
-            .found
-            .rows
+        let points: Vec<HistoryPoint> = rows
             .iter()
             .map(|row| HistoryPoint {
                 time: number(row, "time_s").unwrap_or(f64::NAN),

@@ -1,6 +1,7 @@
 //! The numbers of a history of viscoelastic bodies, of its states and of its events.
 
 use super::named::{Kind, Named, Recorded};
+use super::numbers::Record;
 use crate::approach::Loadable;
 use crate::history::Followed;
 use fakir::solve::elastic_curve::ElasticCurve;
@@ -106,6 +107,21 @@ impl Recorded for HistoryEvent {
             Named::number("force_N", "normal force on the lens", |it: &Self| it.force).symbol("F"),
             Named::number("indentation_m", "indentation", |it: &Self| it.indentation).symbol("ζ"),
         ]
+    }
+}
+
+impl<P: Loadable> Followed<P> {
+    /// The states as records.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Record> {
+        let row = |state: &HistoryState| {
+            Record::of(&HistoryRow {
+                state: *state,
+                curve: &self.curve,
+                has_floor: self.has_floor(),
+            })
+        };
+        self.history.states.iter().map(row).collect()
     }
 }
 

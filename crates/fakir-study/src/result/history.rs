@@ -33,7 +33,7 @@ impl HistorySummary {
         Self {
             numbers: numbers.map_or_else(Object::default, |numbers| Object::of(&numbers)),
             events: events.map(|event| Record::of(event).object()).collect(),
-            states: found.rows.iter().map(Record::object).collect(),
+            states: found.rows().iter().map(Record::object).collect(),
             head: problem.head(),
             warnings: found.warnings.clone(),
             wall_time_s: found.wall_time,

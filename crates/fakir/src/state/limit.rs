@@ -1,7 +1,6 @@
 //! Validity limits of the model.
 
-use super::asperity_contact::AsperityContact;
-use crate::problem::{AsperityArray, System};
+use crate::problem::System;
 
 /// Ratio of contact radius to lens radius above which a warning is given.
 pub(crate) const DOUBTFUL_CONTACT: f64 = 0.2;
@@ -97,28 +96,4 @@ pub(crate) fn limits_of_adhesion(system: &System, farthest: f64, range: Option<f
         ));
     }
     limits
-}
-
-impl AsperityContact {
-    /// The validity limits of the model, and the corresponding values in this contact with an array. `range` is that of the attraction (m), if
-    /// it is known.
-    #[must_use]
-    pub fn limits(&self, array: &AsperityArray, range: Option<f64>) -> Vec<Limit> {
-        let pairs = array.asperities().iter().zip(&self.asperities);
-        let parts = pairs.map(|(asperity, state)| state.radius / asperity.top_radius);
-        let mut limits = vec![Limit::at_most(
-            "contact_on_top",
-            parts.fold(0.0, f64::max),
-            WIDEST_ON_TOP,
-        )];
-        if let Some(range) = range {
-            let number = array.tabor_number(range);
-            limits.push(Limit::at_least(
-                "tabor_number",
-                number,
-                SMALLEST_TABOR_NUMBER,
-            ));
-        }
-        limits
-    }
 }

@@ -3,13 +3,14 @@
 use super::layer::Layers;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
-    FlatSystem, HeightMap, Layer, Material, Method, PillarCompliance, ShapedLens, SurfaceSystem,
+    AsperityArray, FlatSystem, HeightMap, Layer, Material, Method, PillarCompliance, ShapedLens,
+    SurfaceSystem,
 };
 use crate::state::limit::{
     DEEPEST_IN_LAYER, DOUBTFUL_CONTACT, LARGEST_STRAIN, Limit, SMALLEST_TABOR_NUMBER,
-    THINNEST_LAYER, limits_of_adhesion,
+    THINNEST_LAYER, WIDEST_ON_TOP, limits_of_adhesion,
 };
-use crate::state::{ContactState, FlatContact, PillarState, SurfaceContact};
+use crate::state::{AsperityContact, ContactState, FlatContact, PillarState, SurfaceContact};
 use std::f64::consts::PI;
 
 /// Ratio of the force on a pillar to its buckling force above which small imperfections are significant: a ratio of one half doubles them.
@@ -202,6 +203,30 @@ fn of_layers(
         ));
     }
     limits
+}
+
+impl AsperityContact {
+    /// The validity limits of the model, and the corresponding values in this contact with an array. `range` is that of the attraction (m), if
+    /// it is known.
+    #[must_use]
+    pub fn limits(&self, array: &AsperityArray, range: Option<f64>) -> Vec<Limit> {
+        let pairs = array.asperities().iter().zip(&self.asperities);
+        let parts = pairs.map(|(asperity, state)| state.radius / asperity.top_radius);
+        let mut limits = vec![Limit::at_most(
+            "contact_on_top",
+            parts.fold(0.0, f64::max),
+            WIDEST_ON_TOP,
+        )];
+        if let Some(range) = range {
+            let number = array.tabor_number(range);
+            limits.push(Limit::at_least(
+                "tabor_number",
+                number,
+                SMALLEST_TABOR_NUMBER,
+            ));
+        }
+        limits
+    }
 }
 
 impl SurfaceContact {

@@ -71,7 +71,8 @@ pub fn fit_relaxation(times: &[f64], moduli: &[f64]) -> Result<FittedRelaxation,
     }
     let (first, last) = (times[0], times[count - 1]);
     let spaces = (TIMES_PER_DECADE * (last / first).log10()).ceil() as usize;
-    let spaces = spaces.clamp(1, (MOST_TERMS - 1).min(count.saturating_sub(2)).max(1));
+    let most = (MOST_TERMS - 1).min(count.saturating_sub(2));
+    let spaces = spaces.min(most).max(1);
     let taus: Vec<f64> = (0..=spaces)
         .map(|k| first * (last / first).powf(k as f64 / spaces as f64))
         .collect();
