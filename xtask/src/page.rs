@@ -52,7 +52,7 @@ pub(crate) fn build(cargo: &OsStr) -> Result<PathBuf, String> {
 }
 
 /// Whether the standard library for the target is installed; rustup installs it if it is not.
-fn has_target() -> Result<(), String> {
+pub(crate) fn has_target() -> Result<(), String> {
     let installed = || {
         let output = Command::new("rustc")
             .args(["--print", "target-libdir", "--target", TARGET])
