@@ -425,6 +425,7 @@ mod tests {
                 Topic::Flat,
                 Topic::Asperities,
                 Topic::Interaction("friction"),
+                Topic::Viscoelastic,
                 Topic::AdhesiveAsperities,
                 Topic::DesignedHeights,
                 surface(true, false),

@@ -575,7 +575,9 @@ fn help_has_an_example_for_every_command() {
     ] {
         let help = bench.result(&[command, "--help"]);
         assert!(
-            help.contains(&format!("Example: fakir {command} ")),
+            ["Example: fakir", "Examples:\n  fakir"]
+                .iter()
+                .any(|words| help.contains(&format!("{words} {command} "))),
             "{help}"
         );
         assert!(
@@ -702,7 +704,6 @@ fn elastic_pillars_are_refused_at_their_key() {
             "substrate.poisson_ratio=0.2",
             "substrate.poisson_ratio: cannot be 0.2",
         ),
-        ("adhesion.work=50mJ/m2", "adhesion.work: cannot be 50 mJ/m2"),
     ] {
         let refused = bench.run(&["transition", &case, "--set", elastic, "--set", set]);
         assert_eq!(refused.status, Some(2), "{set}");

@@ -496,8 +496,7 @@ fn every_other_command_refuses_rounded_tops() {
             .contains("floor contact is not computed under rounded tops")
     );
     for arguments in [
-        &["cycle", "case.toml"][..],
-        &["verify", "case.toml"],
+        &["verify", "case.toml"][..],
         &["theory", "case.toml"],
         &["compare", "case.toml"],
         &["design", "case.toml", "--samples", "3"],

@@ -158,6 +158,7 @@ fn invalid_histories_are_refused_with_the_reason() {
         assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
         let text = outcome
             .stderr
+            .replace('│', " ")
             .split_whitespace()
             .collect::<Vec<_>>()
             .join(" ");
