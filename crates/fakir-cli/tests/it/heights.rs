@@ -526,7 +526,7 @@ fn every_other_command_refuses_rounded_tops() {
         ),
         (
             &["--attraction-range", "5nm"],
-            "the range of the attraction applies to adhesive tops",
+            "--attraction-range needs adhesive pillar tops",
         ),
         (
             &["--output", "x", "--field-points", "9"],
