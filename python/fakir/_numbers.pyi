@@ -269,6 +269,8 @@ class SurfacePressNumbers(Contact):
     'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
     indenter: Number[str]
     '`lens` or `plate`.'
+    lens_shape: Number[str]
+    'Shape of a lens.'
     boundary: Number[str]
     '`free` or `periodic`.'
     grid: Number[Grid]
@@ -289,6 +291,8 @@ class SurfaceTransitionNumbers(Critical):
     'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
     indenter: Number[str]
     '`lens` or `plate`.'
+    lens_shape: Number[str]
+    'Shape of a lens.'
     boundary: Number[str]
     '`free` or `periodic`.'
     grid: Number[Grid]
@@ -366,7 +370,7 @@ class AsperityCycleNumbers(Answer):
     dissipation: Number[float]
     'Energy dissipated by all events, summed independently (J).'
     certificate: Number[float | None]
-    'Relative difference of `dissipation_J` from `hysteresis_J`.'
+    'Relative difference of `dissipation` from `hysteresis`.'
     error: Number[AsperityCycleErrors]
     '`AsperityCycleErrors` with turn_force, pull_off_force, hysteresis.'
     converged: Number[bool]
@@ -416,7 +420,7 @@ class CycleNumbers(Answer):
     turn_pillars_partially_in_contact: Number[int]
     'Those of them that are in contact in part.'
     stopped_by_floor: Number[bool]
-    'Whether the floor ended the loading before the requested load.'
+    'Always `false`: loading continues on the floor.'
     pull_off_force: Number[float | None]
     'Largest tensile force on unloading, negative (N); None if there is none.'
     pull_off_indentation: Number[float | None]
