@@ -178,7 +178,8 @@ pub fn read_protocol(path: &Path) -> Result<Protocol, String> {
     Protocol::table(prescribed, &rows).map_err(|error| match error {
         InvalidProtocol::Empty => format!("{name} has no rows"),
         InvalidProtocol::Duration(_) => {
-            let place = rows.windows(2).position(|pair| !(pair[1][0] >= pair[0][0]));
+            let is_later = |pair: &[[f64; 2]]| pair[1][0] >= pair[0][0];
+            let place = rows.windows(2).position(|pair| !is_later(pair));
             let line = place.map_or(0, |place| table.lines[place + 1]);
             format!("{name}, line {line}: the time must not be smaller than the one before")
         }

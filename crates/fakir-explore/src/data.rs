@@ -133,7 +133,8 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
         ..FitOptions::default()
     };
     let start = Moment::now();
-    let fitted = fit(&file, &data, &free?, &options, &worker.run()).map_err(failure)?;
+    let fitted =
+        fit(&file, &data, &free?, &options, &worker.run()).map_err(|error| failure(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
     worker.send(&FittedLine {
         fitted: shown(&data, &fitted, wall_time),
@@ -186,7 +187,7 @@ fn parameter(name: &str) -> Result<Parameter, Refusal> {
     })
 }
 
-fn failure(error: FitError) -> Failure {
+fn failure(error: &FitError) -> Failure {
     if error.is_interruption() {
         return Failure::Cancelled;
     }

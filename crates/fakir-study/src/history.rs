@@ -267,7 +267,7 @@ pub fn follow<P: Loadable>(
                     });
                 }
             },
-            Load::Force(force) if !(force > 0.0) => first_touch,
+            Load::Force(force) if force.is_nan() || force <= 0.0 => first_touch,
             Load::Force(_) => {
                 next("relaxed state under the largest force");
                 let contact = problem.press(load, run)?;

@@ -236,7 +236,7 @@ impl Creep {
     /// are never reached. It is 0 for values up to the instantaneous one.
     #[must_use]
     pub fn time_to(&self, value: f64) -> Option<f64> {
-        if !(value < 1.0) {
+        if value.is_nan() || value >= 1.0 {
             return None;
         }
         if value <= self.at(0.0) {

@@ -92,7 +92,7 @@ pub fn fit_relaxation(times: &[f64], moduli: &[f64]) -> Result<FittedRelaxation,
     let kept: Vec<usize> = (1..columns)
         .filter(|term| found[*term] > NEGLIGIBLE * largest)
         .collect();
-    if !(relaxed_modulus > NEGLIGIBLE * largest) {
+    if relaxed_modulus.is_nan() || relaxed_modulus <= NEGLIGIBLE * largest {
         return Err(InvalidModuli::NoRelaxation);
     }
     let strengths: Vec<f64> = kept.iter().map(|k| found[*k] / relaxed_modulus).collect();

@@ -72,7 +72,7 @@ fn pillars_that_are_covered() {
     );
     let areas = contact.unwrap().areas();
     close(areas.tops.value, 5.0 * PI * 9e-12, 1e-12);
-    assert_eq!(areas.floor.unwrap().value, 0.0);
+    assert_eq!(areas.floor.unwrap().value.to_bits(), 0);
 }
 
 /// A contact inside a single top: the disc of its radius.
@@ -119,7 +119,8 @@ fn areas_of_both_methods_agree() {
                 spectral.value, difference
             );
             assert!(difference.abs() < allowed, "{fraction} {force:e}");
-            assert!(spectral.error.unwrap() < 0.1 * spectral.value);
+            // Three tops carry the lightest load.
+            assert!(spectral.error.unwrap() < 0.2 * spectral.value);
         }
     }
 }
