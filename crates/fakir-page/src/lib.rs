@@ -1,6 +1,6 @@
 //! The explorer's answers as a module of WebAssembly: `fakir_explore::answer` behind a plain C interface.
 //!
-//! The page writes a request into the memory of the module ([`request`]) and has it answered ([`answer`]). While it is computed, the module
+//! The page writes a request into the memory of the module (`request`) and has it answered (`answer`). While it is computed, the module
 //! hands each part of the answer to the page (`receive`). All of this runs on one thread: a Web Worker of the page, which ends the worker to
 //! cancel a computation.
 //!
