@@ -118,7 +118,8 @@ fn areas_of_both_methods_agree() {
                 "{fraction} {force:e}: {:e} {:e} {allowed:e}",
                 spectral.value, difference
             );
-            assert!(difference.abs() < allowed, "{fraction} {force:e}");
+            // Tops that are touched completely have the same area in both.
+            assert!(difference.abs() <= allowed, "{fraction} {force:e}");
             // Three tops carry the lightest load.
             assert!(spectral.error.unwrap() < 0.2 * spectral.value);
         }
