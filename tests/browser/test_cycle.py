@@ -185,6 +185,7 @@ def test_pulled_and_partial_pillars_are_on_the_map(explore):
     page.press("Home")
     loaded = page.page.evaluate(PICTURE)
     page.page.click("#to-pull-off")
+    page.rest()
     assert page.page.evaluate(PICTURE) != loaded
     assert page.page.evaluate(RED) > 20
     all_pulled = re.search(r"(\d+) in contact, (\d+) partially, (\d+) in tension", page.text("load-numbers"))

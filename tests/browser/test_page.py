@@ -247,7 +247,8 @@ def test_a_worker_that_fails_is_started_again(explore_at, static):
 def test_a_measured_curve_is_drawn_and_fitted(explore_at, static, server, engine, tmp_path):
     """The curve is that of the page for 2 MPa, 1 um further; the fit begins at 2.2 MPa."""
     page = explore_at({"static": static, "server": server}[engine] + "#" + "&".join(paper(0.01)))
-    page.until("document.querySelectorAll('#loading path.path').length > 0 && document.getElementById('curves-status').textContent === ''")
+    drawn = "document.querySelectorAll('#loading path.path').length > 0"
+    page.until(f"{drawn} && document.getElementById('curves-status').textContent === ''", 120)
     page.page.click("summary")
     with page.page.expect_download() as saved:
         page.page.click("[data-shown='loading.csv']")
