@@ -23,6 +23,8 @@ import sys
 from pathlib import Path
 
 TITLE = "fakir"
+# Crates of the checks.
+UNPUBLISHED = ("fakir_checks", "fakir_manual", "xtask")
 LEAD = "Contact of an elastic lens with a surface patterned with micro-pillars, and the load at which it reaches the floor between them."
 
 STYLE = """\
@@ -149,8 +151,8 @@ def assemble(site, version, manual, rust, page):
     making.mkdir(parents=True)
     for folder, name in [(manual, "manual"), (rust, "rust"), (page, "page")]:
         if folder is not None:
-            # The locks and listings of cargo are not part of the documentation.
-            shutil.copytree(folder, making / name, ignore=shutil.ignore_patterns(".lock", "*.tmp"))
+            # The locks and listings of cargo, and the crates of the checks, are not part of the documentation.
+            shutil.copytree(folder, making / name, ignore=shutil.ignore_patterns(".lock", "*.tmp", *UNPUBLISHED))
     forward = '<meta http-equiv="refresh" content="0; url=fakir/index.html">'
     index = making / "rust" / "index.html"
     if not index.is_file():
