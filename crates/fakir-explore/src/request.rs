@@ -113,15 +113,23 @@ impl LoadPoint {
 pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "oblique"];
 
 /// Whether the page has a control for a key: it supports [lattices](LATTICES), but no listed
-/// pillars.
+/// pillars, and shows relaxed bodies.
 pub(crate) fn is_on_page(key: Key) -> bool {
-    let of_other_arrangements = [Key::Pillars, Key::AxisX, Key::AxisY, Key::TopRadius];
+    let without_control = [
+        Key::Pillars,
+        Key::AxisX,
+        Key::AxisY,
+        Key::TopRadius,
+        Key::RelaxationStrengths,
+        Key::RelaxationTimes,
+        Key::RelaxationTable,
+    ];
     let goes_with_shape = key
         .goes_with()
         .is_some_and(|(choice, _)| choice == Key::LensShape);
     let is_of_other_lenses = key == Key::LensShape || goes_with_shape;
     let is_of_other_bases = key.is_of_layers() && !is_thickness(key);
-    !of_other_arrangements.contains(&key) && !is_of_other_lenses && !is_of_other_bases
+    !without_control.contains(&key) && !is_of_other_lenses && !is_of_other_bases
 }
 
 /// Whether a key is the thickness of a body, which is a half-space unless it is given.
