@@ -456,19 +456,11 @@ impl Bench {
         target: Prescribed,
         run: &Run<'_>,
     ) -> Result<Option<AsperityErrors>, SolveError> {
-        if contact.contacts.discs.is_empty() {
-            return Ok(Some(AsperityErrors::default()));
-        }
-        let low = degree(contact.accuracy);
-        let mut fine = Equations::new(&self.layout, low + 2);
-        let start = with_modes(&contact.contacts, mode_count(low), fine.modes());
-        let found = fine.find(target, Some(&start), run)?;
-        let (settled, termination) = self.found(&mut fine, found)?;
-        if termination != Termination::Converged {
-            return Ok(None);
-        }
-        let fine = self.contact(&fine, settled, termination, contact.accuracy);
-        Ok(Some(self.difference(contact, &fine, Aim::Load(target))))
+        self.refined(contact, Aim::Load(target), |fine, start| {
+            let found = fine.find(target, Some(&start), run)?;
+            let (settled, termination) = self.found(fine, found)?;
+            Ok((termination == Termination::Converged).then_some(settled))
+        })
     }
 
     /// Error estimate of a contact with adhesion: the asperities in contact are those of the solution, since they depend on the path.
@@ -478,17 +470,29 @@ impl Bench {
         aim: Aim,
         run: &Run<'_>,
     ) -> Result<Option<AsperityErrors>, SolveError> {
+        self.refined(contact, aim, |fine, start| {
+            Ok(fine.settle_same(start, aim, run)?.ok())
+        })
+    }
+
+    /// Difference from the solution of higher degree that `find` returns for the contacts to begin with.
+    fn refined(
+        &self,
+        contact: &AsperityContact,
+        aim: Aim,
+        find: impl FnOnce(&mut Equations<'_>, Contacts) -> Result<Option<Settled>, SolveError>,
+    ) -> Result<Option<AsperityErrors>, SolveError> {
         if contact.contacts.discs.is_empty() {
             return Ok(Some(AsperityErrors::default()));
         }
         let low = degree(contact.accuracy);
         let mut fine = Equations::new(&self.layout, low + 2);
         let start = with_modes(&contact.contacts, mode_count(low), fine.modes());
-        let Ok(settled) = fine.settle_same(start, aim, run)? else {
-            return Ok(None);
-        };
-        let fine = self.contact(&fine, settled, Termination::Converged, contact.accuracy);
-        Ok(Some(self.difference(contact, &fine, aim)))
+        let settled = find(&mut fine, start)?;
+        Ok(settled.map(|settled| {
+            let fine = self.contact(&fine, settled, Termination::Converged, contact.accuracy);
+            self.difference(contact, &fine, aim)
+        }))
     }
 
     fn difference(
