@@ -2,7 +2,7 @@
 
 use super::asperity_contact::AsperityContact;
 use super::contact::Termination;
-use super::cycle::{Branch, CycleEventKind};
+use super::cycle::{Branch, CycleEventKind, energy_balance};
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, CyclePlan, Point};
 
@@ -125,12 +125,6 @@ impl AsperityCycle {
     /// exact solution of contacts that are discs; here it includes the error of a pressure of finite degree.
     #[must_use]
     pub fn certificate(&self) -> Option<f64> {
-        let area = self.loop_area?;
-        let largest = area.abs().max(self.dissipation.abs());
-        Some(if largest > 0.0 {
-            (area - self.dissipation).abs() / largest
-        } else {
-            0.0
-        })
+        Some(energy_balance(self.loop_area?, self.dissipation))
     }
 }

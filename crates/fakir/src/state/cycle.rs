@@ -340,6 +340,16 @@ pub struct Cycle {
     pub warnings: Vec<Warning>,
 }
 
+/// Difference between loop area and dissipation, divided by the larger one.
+pub(super) fn energy_balance(loop_area: f64, dissipation: f64) -> f64 {
+    let largest = loop_area.abs().max(dissipation.abs());
+    if largest > 0.0 {
+        (loop_area - dissipation).abs() / largest
+    } else {
+        0.0
+    }
+}
+
 impl Cycle {
     /// The jump into contact with an adhesive floor: the load steps before and after it, at the same indentation.
     #[must_use]
@@ -451,14 +461,8 @@ impl Cycle {
     /// rounding and solver errors; `None` if the path is not closed.
     #[must_use]
     pub fn certificate(&self) -> Option<f64> {
-        let largest = self.loop_area.abs().max(self.dissipation.abs());
-        let difference = (self.loop_area - self.dissipation).abs();
         self.separation?;
-        Some(if largest > 0.0 {
-            difference / largest
-        } else {
-            0.0
-        })
+        Some(energy_balance(self.loop_area, self.dissipation))
     }
 
     /// The pillars in contact at a load step, in the order in which they came into contact.
