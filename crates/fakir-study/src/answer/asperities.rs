@@ -1,6 +1,6 @@
 //! Pillars with rounded tops.
 
-use super::cycle::certificate_words;
+use super::cycle::{certificate_words, change_columns, changes};
 use super::kind::{Context, Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Request, Running};
 use crate::citations::Topic;
@@ -12,15 +12,15 @@ use crate::report::asperities::{case_line, method_line};
 use crate::report::state::{
     QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
 };
-use crate::report::table::{Column, table};
+use crate::report::table::table;
 use crate::result::{
     AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     csv, json, left_out_words,
 };
 use fakir::problem::{CyclePlan, Interactions, Solver, UnloadingPoint};
 use fakir::state::{
-    AsperityContact, AsperityCycle, AsperityState, Branch, CycleEventKind, Limit, PillarStatus,
-    Regime, Run, Solution,
+    AsperityContact, AsperityCycle, AsperityState, CycleEventKind, Limit, PillarStatus, Regime,
+    Run, Solution,
 };
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -243,12 +243,15 @@ impl Found<AsperityCase> for AsperityCycle {
     fn text(&self, of: &Context<'_, AsperityCase>) -> String {
         let [case, method] = of.case.lines();
         let left_out = left_out_words(AsperityAnswer::of(of.case, &self.turn));
+        // A contact that is made grows and recedes continuously.
+        let kinds = [CycleEventKind::SnapIn, CycleEventKind::Release];
+        let events = self.events.iter().map(|event| (event.kind, event.branch));
         format!(
             "Loading and unloading with adhesion\n{case}\n{}, {}\n{method}; {left_out}\n\n{}\n{}",
             adhesion_words(of.case.field.adhesion()),
             drive_words(self.plan.drive),
             quantities(self, of),
-            table(&changes(self), &change_columns())
+            table(&changes(kinds, &events), &change_columns())
         )
     }
 
@@ -396,39 +399,4 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
         ),
     );
     list.text()
-}
-
-/// Number of contacts that begin or end on each branch.
-struct Change {
-    name: &'static str,
-    loading: usize,
-    unloading: usize,
-}
-
-fn changes(cycle: &AsperityCycle) -> Vec<Change> {
-    let count = |kind, branch| {
-        let events = cycle.events.iter();
-        let of_kind = events.filter(|event| event.kind == kind && event.branch == branch);
-        of_kind.count()
-    };
-    [
-        (CycleEventKind::SnapIn, "made"),
-        (CycleEventKind::Release, "released"),
-    ]
-    .map(|(kind, name)| Change {
-        name,
-        loading: count(kind, Branch::Loading),
-        unloading: count(kind, Branch::Unloading),
-    })
-    .into()
-}
-
-fn change_columns() -> Vec<Column<Change>> {
-    vec![
-        Column::text("changes of contact", |change: &Change| {
-            change.name.to_owned()
-        }),
-        Column::right("loading", |change| change.loading.to_string()),
-        Column::right("unloading", |change| change.unloading.to_string()),
-    ]
 }

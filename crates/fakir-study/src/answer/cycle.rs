@@ -43,12 +43,19 @@ impl<K: Kind> Found<K> for Cycle {
 
     fn text(&self, of: &Context<'_, K>) -> String {
         let [case, method] = of.case.lines();
+        let kinds = [
+            CycleEventKind::SnapIn,
+            CycleEventKind::Growth,
+            CycleEventKind::Recession,
+            CycleEventKind::Release,
+        ];
+        let events = self.events.iter().map(|event| (event.kind, event.branch));
         format!(
             "Loading and unloading with adhesion\n{case}\n{}, {}\n{method}\n\n{}\n{}",
             adhesion_words(self.system.adhesion()),
             drive_words(self.plan.drive),
             quantities(self, of.details.range, of.wall_time),
-            table(&changes(self), &change_columns())
+            table(&changes(kinds, &events), &change_columns())
         )
     }
 
@@ -325,24 +332,21 @@ fn remark(error: CycleError) -> String {
 }
 
 /// Number of events of one kind on each branch.
-struct Change {
+pub(super) struct Change {
     kind: CycleEventKind,
     loading: usize,
     unloading: usize,
 }
 
-fn changes(cycle: &Cycle) -> Vec<Change> {
+/// Number of events of each of these kinds on each branch.
+pub(super) fn changes<const N: usize>(
+    kinds: [CycleEventKind; N],
+    events: &(impl Iterator<Item = (CycleEventKind, Branch)> + Clone),
+) -> Vec<Change> {
     let count = |kind, branch| {
-        let events = cycle.events.iter();
-        let of_kind = events.filter(|event| event.kind == kind && event.branch == branch);
+        let of_kind = events.clone().filter(|event| *event == (kind, branch));
         of_kind.count()
     };
-    let kinds = [
-        CycleEventKind::SnapIn,
-        CycleEventKind::Growth,
-        CycleEventKind::Recession,
-        CycleEventKind::Release,
-    ];
     kinds
         .map(|kind| Change {
             kind,
@@ -352,7 +356,7 @@ fn changes(cycle: &Cycle) -> Vec<Change> {
         .into()
 }
 
-fn change_columns() -> Vec<Column<Change>> {
+pub(super) fn change_columns() -> Vec<Column<Change>> {
     vec![
         Column::text("changes of contact", |change: &Change| {
             match change.kind {
