@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import Lens, Substrate, refuse_layers
-from ._cycle import Adhesion, Drive, checked_plan
+from ._cycle import Adhesion, Drive, plan_with_end
 from ._design import SEED
 from ._format import Row, engineering
 from ._history import Viscoelastic
@@ -22,10 +22,32 @@ from ._result import Result
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, overrides_of, settings
 from .errors import NotConverged
-from .bem import Plate, bodies, bodies_of
+from .bem import Plate
 
 if TYPE_CHECKING:
     import pandas
+
+
+def _bodies(
+    indenter: Lens | Plate, substrate: Substrate
+) -> tuple[list[float] | None, list[float] | None, list[float]]:
+    """The numbers of a lens or a plate (the other one is None), and of a half-space."""
+    if not isinstance(indenter, (Lens, Plate)):
+        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
+    of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
+    if indenter.young_modulus is None or indenter.poisson_ratio is None:
+        return None, None, of_substrate
+    material = [indenter.young_modulus, indenter.poisson_ratio]
+    if isinstance(indenter, Lens):
+        return [indenter.radius, *material], None, of_substrate
+    return None, material, of_substrate
+
+
+def _bodies_of(system: _fakir.Asperities) -> tuple[Lens | Plate, Substrate]:
+    """The indenter and the substrate for these numbers."""
+    lens, plate = system.lens, system.plate
+    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
+    return indenter, Substrate(*system.substrate)
 
 
 class AsperityArray(Viscoelastic):
@@ -106,7 +128,7 @@ class AsperityArray(Viscoelastic):
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
             works = (given.work, None)
-        lens, plate, of_substrate = bodies(indenter, substrate)
+        lens, plate, of_substrate = _bodies(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
         if accuracy not in {"default", "accurate"}:
@@ -175,7 +197,7 @@ class AsperityArray(Viscoelastic):
 
     def _hold(self, rounded: _fakir.Asperities) -> None:
         self._asperities = rounded
-        self.indenter, self.substrate = bodies_of(rounded)
+        self.indenter, self.substrate = _bodies_of(rounded)
         self.top_radius, self.reference_height = rounded.top_radius, rounded.height
         columns = np.asarray(rounded.pillars(), dtype=np.float64).T
         self.x, self.y, self.height, self.diameter = (np.ascontiguousarray(c) for c in columns)
@@ -233,9 +255,7 @@ class AsperityArray(Viscoelastic):
         memory_limit: int | None = None,
     ) -> AsperityCycle:
         """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
-        if to is None and to_force is None:
-            raise TypeError("give either to or to_force: where the loading ends")
-        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
+        plan = plan_with_end(to, to_force, drive, machine_stiffness, retract)
         run = options(threads, progress, memory_limit)
         answer, curve, events = _fakir.cycle_asperities(self._asperities, *plan, run)
         warn(answer.warnings)

@@ -231,6 +231,19 @@ def checked_plan(
     )
 
 
+def plan_with_end(
+    to: Quantity | None,
+    to_force: Quantity | None,
+    drive: Drive,
+    machine_stiffness: Quantity | None,
+    retract: bool,
+) -> Plan:
+    """A cycle with a prescribed end of loading."""
+    if to is None and to_force is None:
+        raise TypeError("give either to or to_force: where the loading ends")
+    return checked_plan(to, to_force, drive, machine_stiffness, retract)
+
+
 def cycle(system: System, plan: Plan, options: _fakir.Options) -> Cycle:
     """Computes loading and unloading."""
     result = Cycle(_fakir.cycle(system._case, *plan, options), system)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
-from ._cycle import Adhesion, Drive, checked_plan
+from ._cycle import Adhesion, Drive, plan_with_end
 from ._format import Row, Shown, engineering
 from ._history import Viscoelastic
 from ._loading import Loading, checked_path
@@ -183,9 +183,7 @@ class FlatSystem(Viscoelastic, Shown):
         memory_limit: int | None = None,
     ) -> FlatCycle:
         """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
-        if to is None and to_force is None:
-            raise TypeError("give either to or to_force: where the loading ends")
-        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
+        plan = plan_with_end(to, to_force, drive, machine_stiffness, retract)
         run = options(threads, progress, memory_limit)
         answer, curve = _fakir.cycle_flat(self._flat, *plan, run)
         warn(answer.warnings)

@@ -57,28 +57,6 @@ class Plate:
         object.__setattr__(self, "poisson_ratio", ratio)
 
 
-def bodies(
-    indenter: Lens | Plate, substrate: Substrate
-) -> tuple[list[float] | None, list[float] | None, list[float]]:
-    """The numbers of a lens or a plate (the other one is None), and of a half-space."""
-    if not isinstance(indenter, (Lens, Plate)):
-        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-    of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
-    if indenter.young_modulus is None or indenter.poisson_ratio is None:
-        return None, None, of_substrate
-    material = [indenter.young_modulus, indenter.poisson_ratio]
-    if isinstance(indenter, Lens):
-        return [indenter.radius, *material], None, of_substrate
-    return None, material, of_substrate
-
-
-def bodies_of(system: _fakir.Asperities) -> tuple[Lens | Plate, Substrate]:
-    """The indenter and the substrate for these numbers."""
-    lens, plate = system.lens, system.plate
-    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
-    return indenter, Substrate(*system.substrate)
-
-
 def _indenter_settings(
     indenter: AnyLens | Plate, substrate: Substrate
 ) -> tuple[tuple[list[tuple[str, float]], list[tuple[str, str]]] | None, list[float] | None]:
