@@ -1,5 +1,6 @@
 //! Loading and unloading of adhesive pillars.
 
+use super::branches::{self, BRANCHES, largest, mark};
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
 use crate::colour::{ColourMap, Tint};
@@ -7,10 +8,10 @@ use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
 use crate::map::{ColourBar, KeySign, Sheet, ringed};
 use crate::scene::{Colour, Item};
-use crate::series::{Marker, Series, Style};
+use crate::series::{Marker, Series};
 use crate::unit::Unit;
 use fakir::problem::{Method, PlacedPillar};
-use fakir::state::{Branch, Cycle, CycleEventKind, CycleLoadStep, PullOff};
+use fakir::state::{Branch, Cycle, CycleLoadStep, PullOff};
 use std::collections::{BTreeMap, HashSet};
 
 /// A point in SI units: indentation (m), and force (N) or a number.
@@ -24,19 +25,10 @@ type Point = [f64; 2];
 /// [`FigureError::TooFewData`] if the curve has fewer than two load steps.
 pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
     let stations = &cycle.stations;
-    if stations.len() < 2 {
-        return Err(FigureError::TooFewData {
-            fewest: 2,
-            given: stations.len(),
-        });
-    }
-    let sizes = |value: fn(&CycleLoadStep) -> f64| {
-        let values = stations.iter().map(|station| value(station).abs());
-        values.fold(0.0, f64::max)
-    };
-    let across = Unit::of_length(sizes(|station| station.indentation));
+    branches::check_length(stations.len())?;
+    let across = Unit::of_length(largest(stations, |station| station.indentation));
     let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
-    let force = Unit::of_force(sizes(|station| station.force));
+    let force = Unit::of_force(largest(stations, |station| station.force));
     let mut charts = vec![force_chart(cycle, x(), [across, force])];
     let mut heights = vec![122.0];
     if let Some(pull_off) = &cycle.pull_off {
@@ -44,12 +36,13 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
         heights.push(122.0);
     }
     let mut of_branches = |name: &str, value: &dyn Fn(&CycleLoadStep) -> f64| {
-        let series = BRANCHES.map(|(branch, _, style)| {
+        let series = branches::lines(false, |branch| {
             let on_branch = stations.iter().filter(|station| station.branch == branch);
-            let points = on_branch.map(|station| [across.of(station.indentation), value(station)]);
-            Series::unnamed(points.collect(), style())
+            on_branch
+                .map(|station| [across.of(station.indentation), value(station)])
+                .collect()
         });
-        charts.push(Chart::new(x(), Axis::linear(name), series.into()));
+        charts.push(Chart::new(x(), Axis::linear(name), series));
         heights.push(96.0);
     };
     of_branches("pillars in contact", &|it| it.pillars_in_contact as f64);
@@ -80,17 +73,6 @@ pub fn cycle_curve(cycle: &Cycle) -> Result<Figure, FigureError> {
 /// Colour of pillars that were never in contact.
 const UNTOUCHED: Colour = Colour::grey(226);
 
-type NamedBranch = (Branch, &'static str, fn() -> Style);
-
-const BRANCHES: [NamedBranch; 2] = [
-    (Branch::Loading, "loading", || {
-        Style::line(0).in_tint(Tint::Blue)
-    }),
-    (Branch::Unloading, "unloading", || {
-        Style::line(1).in_tint(Tint::Vermillion)
-    }),
-];
-
 fn force_chart(cycle: &Cycle, x: Axis, [across, up]: [Unit; 2]) -> Chart {
     let y = Axis::linear(format!("force *F* ({})", up.name));
     Chart::new(x, y, force_series(cycle, [across, up]))
@@ -120,42 +102,19 @@ fn curve(cycle: &Cycle, branch: Branch) -> Vec<Point> {
 /// Both branches with their events.
 fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     let at = |[indentation, force]: Point| [across.of(indentation), up.of(force)];
-    let marks = |tint, marker| Style {
-        tint,
-        line: None,
-        marker: Some(marker),
-    };
-    let mut series = Vec::new();
-    for (branch, name, style) in BRANCHES {
-        let points = curve(cycle, branch).into_iter().map(at).collect();
-        series.push(Series::new(name, points, style()));
-    }
-    for (kind, name, style) in [
-        (
-            CycleEventKind::SnapIn,
-            "attachment",
-            marks(Tint::Blue, Marker::Ring),
-        ),
-        (
-            CycleEventKind::Release,
-            "detachment",
-            marks(Tint::Vermillion, Marker::Cross),
-        ),
-    ] {
+    let mut series = branches::lines(true, |branch| {
+        curve(cycle, branch).into_iter().map(at).collect()
+    });
+    series.extend(branches::changes(|kind| {
         let events = cycle.events.iter().filter(|event| event.kind == kind);
-        let mut places: Vec<Point> = events
+        events
             .map(|event| at([event.indentation, event.force]))
-            .collect();
-        // Events of one cascade have the same position.
-        places.dedup();
-        if !places.is_empty() {
-            series.push(Series::new(name, places, style));
-        }
-    }
+            .collect()
+    }));
     let critical = cycle.critical.as_ref().map(|it| &it.contact);
     if let Some(state) = critical {
         let place = at([state.indentation, state.force]);
-        let style = marks(Tint::Black, Marker::Diamond);
+        let style = mark(Tint::Black, Marker::Diamond);
         series.push(Series::new("critical state", vec![place], style));
     }
     let jump = cycle.floor_jump().map(|[_, after]| after);
@@ -166,14 +125,15 @@ fn force_series(cycle: &Cycle, [across, up]: [Unit; 2]) -> Vec<Series> {
     ] {
         if let Some(station) = station {
             let place = at([station.indentation, station.force]);
-            let style = marks(tint, Marker::Triangle);
+            let style = mark(tint, Marker::Triangle);
             series.push(Series::new(name, vec![place], style));
         }
     }
     if let Some(pull_off) = &cycle.pull_off {
-        let place = at([pull_off.indentation, pull_off.force]);
-        let style = marks(Tint::Green, Marker::Square);
-        series.push(Series::new("pull-off", vec![place], style));
+        series.push(branches::pull_off(at([
+            pull_off.indentation,
+            pull_off.force,
+        ])));
     }
     series
 }

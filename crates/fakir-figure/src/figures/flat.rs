@@ -1,5 +1,6 @@
 //! Contacts and cycles with a flat surface.
 
+use super::branches::{self, largest, mark};
 use crate::axis::Axis;
 use crate::chart::{Chart, Grid};
 use crate::colour::Tint;
@@ -7,7 +8,7 @@ use crate::error::FigureError;
 use crate::figure::{COLUMN, Figure};
 use crate::series::{Marker, Series, Style};
 use crate::unit::Unit;
-use fakir::state::{Branch, FlatContact, FlatCycle, FlatLoadStep};
+use fakir::state::{FlatContact, FlatCycle, FlatLoadStep};
 
 /// Pressure over the distance from the lens axis, given at these distances (m) in Pa. Infinite pressures at the rim are cut off.
 ///
@@ -59,61 +60,29 @@ pub fn flat_pressure(
 /// [`FigureError::TooFewData`] if the curve has fewer than two load steps.
 pub fn flat_cycle(cycle: &FlatCycle) -> Result<Figure, FigureError> {
     let steps = &cycle.load_steps;
-    if steps.len() < 2 {
-        return Err(FigureError::TooFewData {
-            fewest: 2,
-            given: steps.len(),
-        });
-    }
-    let largest = |value: fn(&FlatLoadStep) -> f64| {
-        let values = steps.iter().map(|step| value(step).abs());
-        values.fold(0.0, f64::max)
-    };
-    let across = Unit::of_length(largest(|step| step.indentation));
-    let force = Unit::of_force(largest(|step| step.force));
-    let radius = Unit::of_length(largest(|step| step.contact_radius));
+    branches::check_length(steps.len())?;
+    let across = Unit::of_length(largest(steps, |step| step.indentation));
+    let force = Unit::of_force(largest(steps, |step| step.force));
+    let radius = Unit::of_length(largest(steps, |step| step.contact_radius));
     let x = || Axis::linear(format!("indentation *ζ* ({})", across.name));
-    let branches = |named: bool, value: &dyn Fn(&FlatLoadStep) -> f64| {
-        let branches = [
-            (
-                Branch::Loading,
-                "loading",
-                Style::line(0).in_tint(Tint::Blue),
-            ),
-            (
-                Branch::Unloading,
-                "unloading",
-                Style::line(1).in_tint(Tint::Vermillion),
-            ),
-        ];
-        let of_branch = |(branch, name, style): (Branch, &str, Style)| {
+    let lines = |is_named: bool, value: &dyn Fn(&FlatLoadStep) -> f64| {
+        branches::lines(is_named, |branch| {
             let on_branch = steps.iter().filter(|step| step.branch == branch);
-            let points: Vec<_> = on_branch
+            on_branch
                 .map(|step| [across.of(step.indentation), value(step)])
-                .collect();
-            match named && !points.is_empty() {
-                true => Series::new(name, points, style),
-                false => Series::unnamed(points, style),
-            }
-        };
-        branches.map(of_branch).to_vec()
+                .collect()
+        })
     };
-    let mut series = branches(true, &|step| force.of(step.force));
-    let marks = |tint, marker| Style {
-        tint,
-        line: None,
-        marker: Some(marker),
-    };
-    let place =
-        |contact: &FlatContact| vec![[across.of(contact.indentation), force.of(contact.force)]];
-    let jump = marks(Tint::Blue, Marker::Ring);
-    series.push(Series::new("jump into contact", place(&cycle.jump), jump));
+    let mut series = lines(true, &|step| force.of(step.force));
+    let place = |contact: &FlatContact| [across.of(contact.indentation), force.of(contact.force)];
+    let jump = vec![place(&cycle.jump)];
+    let style = mark(Tint::Blue, Marker::Ring);
+    series.push(Series::new("jump into contact", jump, style));
     if let Some(pull_off) = &cycle.pull_off {
-        let style = marks(Tint::Green, Marker::Square);
-        series.push(Series::new("pull-off", place(pull_off), style));
+        series.push(branches::pull_off(place(pull_off)));
     }
     if let (Some(_), Some(last)) = (cycle.separation, steps.last()) {
-        let style = marks(Tint::Vermillion, Marker::Cross);
+        let style = mark(Tint::Vermillion, Marker::Cross);
         let place = vec![[across.of(last.indentation), force.of(last.force)]];
         series.push(Series::new("detachment", place, style));
     }
@@ -126,7 +95,7 @@ pub fn flat_cycle(cycle: &FlatCycle) -> Result<Figure, FigureError> {
         Chart::new(
             x(),
             Axis::linear(format!("contact radius *a* ({})", radius.name)),
-            branches(false, &|step| radius.of(step.contact_radius)),
+            lines(false, &|step| radius.of(step.contact_radius)),
         ),
     ];
     let figure = Grid {

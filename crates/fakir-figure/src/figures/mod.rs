@@ -3,6 +3,7 @@
 pub(crate) mod approach;
 pub(crate) mod asperity_cycle;
 pub(crate) mod asperity_map;
+mod branches;
 pub(crate) mod critical_curves;
 pub(crate) mod critical_states;
 pub(crate) mod cycle;
