@@ -170,6 +170,26 @@ def test_the_first_picture_needs_no_module(explore_at, static, capsys):
     assert answer < 2000 * strict
 
 
+def test_the_first_picture_is_drawn_before_the_module_is_read(explore_at):
+    """In the one file the module is 2.7 MB of text: it is decoded and compiled after the first picture."""
+    watch = """globalThis.order = [];
+        document.addEventListener("picture", () => globalThis.order.push("picture"), { once: true });
+        for (const [of, name] of [[globalThis, "atob"], [WebAssembly, "compile"], [globalThis, "Worker"]]) {
+            const own = of[name];
+            of[name] = function (...given) {
+                globalThis.order.push(name);
+                return new.target ? new own(...given) : own.apply(of, given);
+            };
+        }"""
+    page = explore_at((Path(PAGE) / "fakir.html").absolute().as_uri(), before=watch)
+    page.until("globalThis.order.includes('Worker')")
+    assert page.page.evaluate("() => globalThis.order.slice(0, 4)") == ["picture", "atob", "compile", "Worker"]
+    is_after = "(a, b) => a.compareDocumentPosition(b) === Node.DOCUMENT_POSITION_FOLLOWING"
+    parts = "[...document.scripts].filter((part) => part.type === ''), ...['module', 'licences'].map((id) => document.getElementById(id))"
+    assert page.page.evaluate(f"() => {{ const [script, module, licences] = [{parts}].flat(); const after = {is_after};"
+                              " return after(script, module) && after(script, licences); }")
+
+
 @pytest.mark.parametrize("fraction, load", [(0.01, 1), (0.03, 1), (0.1, 1), (0.03, 1.5)])
 def test_the_module_follows_the_slider(explore_at, static, server, capsys, fraction, load):
     """Medians from the motion of the slider to the exact map."""

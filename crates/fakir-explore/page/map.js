@@ -395,10 +395,12 @@ export function drawColourBar(bar, colours) {
   const ratio = window.devicePixelRatio || 1;
   bar.width = Math.max(1, Math.round(bar.clientWidth * ratio));
   bar.height = Math.max(1, Math.round(bar.clientHeight * ratio));
-  for (let x = 0; x < bar.width; x += 1) {
-    context.fillStyle = colour(colours, Math.floor((x / bar.width) * colours.length));
-    context.fillRect(x, 0, 1, bar.height);
-  }
+  const own = new ImageData(colours.length, 1);
+  colours.forEach(([red, green, blue], k) => own.data.set([red, green, blue, 255], 4 * k));
+  const picture = new OffscreenCanvas(colours.length, 1);
+  picture.getContext("2d")?.putImageData(own, 0, 0);
+  context.imageSmoothingEnabled = false;
+  context.drawImage(picture, 0, 0, bar.width, bar.height);
 }
 
 /**

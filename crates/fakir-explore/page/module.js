@@ -325,6 +325,10 @@ function contents(id) {
  * @returns {Promise<WebAssembly.Module>}
  */
 async function compiled() {
+  // The part with the module follows the scripts.
+  if (document.readyState === "loading") {
+    await new Promise((resolve) => document.addEventListener("DOMContentLoaded", resolve, { once: true }));
+  }
   const inside = contents("module");
   if (inside === "") return WebAssembly.compile(await (await fetch("fakir.wasm")).arrayBuffer());
   const packed = Uint8Array.from(atob(inside), (letter) => letter.charCodeAt(0));

@@ -10,6 +10,8 @@ import { isOlder } from "./store.js";
  * @property {(state: State) => void} draw
  * @property {readonly unknown[] | null} drawn The parts of the state that it was drawn from; null if it must be
  *   redrawn.
+ * @property {readonly Element[]} elements Elements whose size it depends on.
+ * @property {string} size The size of these elements when it was drawn.
  */
 
 export class Screen {
@@ -37,6 +39,9 @@ export class Screen {
     this.#store = store;
     this.#framed = framed;
     store.listen(() => this.#changed());
+    // The first frame draws everything, with the answers that the document contains.
+    this.#frameAwaited = true;
+    requestAnimationFrame(() => this.#frame());
   }
 
   /**
@@ -47,10 +52,11 @@ export class Screen {
    */
   add(parts, draw, elements = []) {
     /** @type {View} */
-    const view = { parts, draw, drawn: null };
+    const view = { parts, draw, drawn: null, elements, size: "" };
     this.#views.push(view);
+    // It is also called for the first size, in which the view was drawn.
     const sizes = new ResizeObserver(() => {
-      if (view.drawn !== null) draw(this.#store.state);
+      if (view.drawn !== null && view.size !== sizeOf(elements)) drawView(view, this.#store.state);
     });
     for (const element of elements) sizes.observe(element);
     this.#changed();
@@ -116,9 +122,32 @@ export class Screen {
       const parts = view.parts(state);
       if (view.drawn?.every((part, k) => part === parts[k])) continue;
       view.drawn = parts;
-      view.draw(state);
+      drawView(view, state);
     }
   }
+}
+
+/**
+ * @param {View} view
+ * @param {State} state
+ */
+function drawView(view, state) {
+  view.size = sizeOf(view.elements);
+  view.draw(state);
+}
+
+/**
+ * The sizes of elements, as a text to compare.
+ * @param {readonly Element[]} elements
+ * @returns {string}
+ */
+function sizeOf(elements) {
+  return elements
+    .map((element) => {
+      const { width, height } = element.getBoundingClientRect();
+      return `${width} ${height}`;
+    })
+    .join();
 }
 
 /**

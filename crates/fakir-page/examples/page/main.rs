@@ -84,6 +84,8 @@ fn document(
         "<meta http-equiv=\"Content-Security-Policy\" content=\"{RULES}; connect-src {connections}\">"
     );
     let script = bundle::bundle("main", &|name| read(&format!("{name}.js")))?;
+    // A plain script runs as soon as it is parsed, one of type `module` after the whole document: the first picture is drawn before
+    // the long texts that follow are read.
     let parts = [
         // In JSON every `<` can be escaped.
         text(
@@ -92,12 +94,12 @@ fn document(
             &first.to_string().replace('<', "\\u003c"),
         ),
         text("worker-source", "text/plain", &read("worker.js")?),
-        text("module", "text/plain", module.unwrap_or_default()),
-        text("licences", "text/plain", licences),
         format!(
-            "<script type=\"module\">\n{}</script>\n",
+            "<script>\n\"use strict\";\n(async () => {{\n{}}})();\n</script>\n",
             script.replace("</script", "<\\/script")
         ),
+        text("module", "text/plain", module.unwrap_or_default()),
+        text("licences", "text/plain", licences),
     ];
     let mut html = read("index.html")?;
     for (from, to) in [
