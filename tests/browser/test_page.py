@@ -185,9 +185,9 @@ def test_the_first_picture_is_drawn_before_the_module_is_read(explore_at):
     page.until("globalThis.order.includes('Worker')")
     assert page.page.evaluate("() => globalThis.order.slice(0, 4)") == ["picture", "atob", "compile", "Worker"]
     is_after = "(a, b) => a.compareDocumentPosition(b) === Node.DOCUMENT_POSITION_FOLLOWING"
-    parts = "[...document.scripts].filter((part) => part.type === ''), ...['module', 'licences'].map((id) => document.getElementById(id))"
-    assert page.page.evaluate(f"() => {{ const [script, module, licences] = [{parts}].flat(); const after = {is_after};"
-                              " return after(script, module) && after(script, licences); }")
+    script = "[...document.scripts].filter((part) => part.type === '').at(-1)"
+    for name in ("module", "licences"):
+        assert page.page.evaluate(f"() => ({is_after})({script}, document.getElementById('{name}'))")
 
 
 @pytest.mark.parametrize("fraction, load", [(0.01, 1), (0.03, 1), (0.1, 1), (0.03, 1.5)])

@@ -29,6 +29,8 @@ export function fragment(chosen) {
   for (const [key, value] of Object.entries(chosen.case)) parameters.set(key, String(value));
   parameters.set("load", String(chosen.load));
   if (chosen.exaggeration !== null) parameters.set("exaggeration", String(chosen.exaggeration));
+  const { view } = chosen;
+  if (view !== null) parameters.set("map", [view.zoom, view.x, view.y].join(" "));
   return `#${parameters.toString()}`;
 }
 
@@ -48,9 +50,12 @@ export function chosenIn(hash) {
   }
   if (Object.keys(values).length === 0) return null;
   const factor = Number(parameters.get("exaggeration"));
+  const [zoom = NaN, x = NaN, y = NaN] = (parameters.get("map") ?? "").split(" ").map(Number);
+  const isView = zoom > 1 && Number.isFinite(zoom + x + y);
   return {
     case: values,
     load: Number(parameters.get("load") ?? 1),
     exaggeration: factor > 0 ? factor : null,
+    view: isView ? { zoom, x, y } : null,
   };
 }

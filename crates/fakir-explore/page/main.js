@@ -31,6 +31,7 @@ import {
   WORK,
 } from "./store.js";
 import { onScheme } from "./theme.js";
+import { drawZoom, zoomable } from "./zoom.js";
 
 /**
  * @import { Engine, Start, Texts, Values } from "./engine.js"
@@ -177,6 +178,7 @@ function show(store) {
     },
     [canvas],
   );
+  screen.add(({ chosen }) => [chosen.view], drawZoom);
   screen.add(
     () => [],
     ({ start }) => drawColourBar(bar, start.colours),
@@ -261,7 +263,8 @@ function show(store) {
  * @returns {MapContents | null}
  */
 function mapContents(state) {
-  return state.picture && { scene: state.picture.is.scene, ...mapScale(state, state.picture) };
+  const { picture, chosen } = state;
+  return picture && { scene: picture.is.scene, ...mapScale(state, picture), view: chosen.view };
 }
 
 /**
@@ -312,6 +315,7 @@ function listen(store, engine) {
   explainFocus(store.state.start.keys);
   lecture(store);
   measure(store, engine);
+  zoomable(store, mapContents);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
@@ -416,7 +420,7 @@ function rememberInAddress(store) {
   undo.addEventListener("click", () => history.back());
   redo.addEventListener("click", () => history.forward());
   byId("reset").addEventListener("click", () => {
-    store.choose({ case: store.state.start.case, load: 1, exaggeration: null }, performance.now());
+    store.choose({ case: store.state.start.case, load: 1, exaggeration: null, view: null }, performance.now());
   });
   window.addEventListener("hashchange", () => {
     known = location.hash;
@@ -470,7 +474,7 @@ function afterwards(store, delay, of, act) {
 /** @type {Engine} */
 const engine = document.documentElement.dataset["engine"] === "module" ? new Module() : new Server();
 const start = await engine.start();
-const first = chosenIn(location.hash) ?? { case: start.case, load: 1, exaggeration: null };
+const first = chosenIn(location.hash) ?? { case: start.case, load: 1, exaggeration: null, view: null };
 const store = new Store(start, first, performance.now());
 show(store);
 listen(store, engine);

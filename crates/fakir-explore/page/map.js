@@ -5,8 +5,9 @@ import { centre, pillarsWithin, touchesFloor } from "./scene.js";
 import { colour, letterSize, mixed, tint } from "./theme.js";
 
 /**
- * @import { FloorCells } from "./engine.js"
+ * @import { FloorCells, Point } from "./engine.js"
  * @import { Scene } from "./scene.js"
+ * @import { MapView } from "./store.js"
  * @import { Colours } from "./theme.js"
  */
 
@@ -16,12 +17,14 @@ import { colour, letterSize, mixed, tint } from "./theme.js";
  * @property {Scene} scene
  * @property {number} radius Critical contact radius, m; it sets the scale of lengths for all loads.
  * @property {number} force Force of a pillar with the last colour, N.
+ * @property {MapView | null} view The part that is shown; null for the whole map.
  */
 
 /**
  * @typedef {object} Canvas
  * @property {CanvasRenderingContext2D} context
- * @property {number} halfWidth Half the width of the map, m.
+ * @property {number} halfWidth Half the width of the part that is shown, m.
+ * @property {Point} middle Its centre, m.
  * @property {number} pixel Width of a pixel of the screen, m.
  * @property {number} pillar Radius of pillars as drawn, m.
  */
@@ -35,11 +38,11 @@ import { colour, letterSize, mixed, tint } from "./theme.js";
 const ROUND = [1, 2, 5, 10];
 
 /**
- * Half the width of the map, m.
+ * Half the width of the whole map, m.
  * @param {MapContents} mapContents
  * @returns {number}
  */
-function halfWidth({ scene, radius }) {
+export function halfWidth({ scene, radius }) {
   const floor = touchesFloor(scene)
     ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
     : 0;
@@ -48,6 +51,21 @@ function halfWidth({ scene, radius }) {
   // Show a few pillars, unless they are far apart.
   const few = contact > 0 ? Math.min(2.3 * scene.pitch_m, 5 * contact) : 1.3 * scene.pitch_m;
   return Math.max(contact, few);
+}
+
+/**
+ * Half the width of the part that is shown, and its centre, m. The part is inside of the whole map, which changes with the case.
+ * @param {MapContents} contents
+ * @returns {{ half: number, middle: Point }}
+ */
+function shownPart(contents) {
+  const whole = halfWidth(contents);
+  if (contents.view === null) return { half: whole, middle: [0, 0] };
+  const { zoom, x, y } = contents.view;
+  const half = whole / zoom;
+  /** @type {(at: number) => number} */
+  const inside = (at) => Math.min(whole - half, Math.max(half - whole, at));
+  return { half, middle: [inside(x), inside(y)] };
 }
 
 /**
@@ -62,23 +80,23 @@ export function drawMap(canvas, contents, colours) {
   const side = Math.round(canvas.clientWidth * ratio);
   if (side === 0) return;
   if (canvas.width !== side) canvas.width = canvas.height = side;
-  const half = halfWidth(contents);
+  const { half, middle } = shownPart(contents);
   const scale = side / (2 * half);
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.fillStyle = tint("--floor");
   context.fillRect(0, 0, side, side);
-  context.setTransform(scale, 0, 0, -scale, side / 2, side / 2);
+  context.setTransform(scale, 0, 0, -scale, side / 2 - scale * middle[0], side / 2 + scale * middle[1]);
   const pixel = ratio / scale;
   // Pillars too small to be visible are drawn larger.
   const pillar = Math.max(contents.scene.diameter_m / 2, 1.2 * pixel);
   /** @type {Sheet} */
-  const sheet = { ...contents, context, halfWidth: half, pixel, pillar };
+  const sheet = { ...contents, context, halfWidth: half, middle, pixel, pillar };
   drawFloor(sheet);
   drawUntouched(sheet);
   drawPillars(sheet, colours);
   drawMarks(sheet);
   context.setTransform(1, 0, 0, 1, 0, 0);
-  drawAxes(context, side, scale, ratio);
+  drawAxes(context, side, scale, middle, ratio);
   canvas.setAttribute("aria-label", contents.scene.words);
 }
 
@@ -170,9 +188,9 @@ function floorPressure(floor, x, y) {
  * Draws all pillar tops in view as not in contact.
  * @param {Sheet} sheet
  */
-function drawUntouched({ context, scene, halfWidth, pillar: radius }) {
+function drawUntouched({ context, scene, halfWidth, middle, pillar: radius }) {
   context.beginPath();
-  for (const [, , x, y] of pillarsWithin(scene.lattice, halfWidth + radius)) {
+  for (const [, , x, y] of pillarsWithin(scene.lattice, halfWidth + radius, middle)) {
     context.moveTo(x + radius, y);
     context.arc(x, y, radius, 0, 2 * Math.PI);
   }
@@ -315,32 +333,50 @@ function drawMarks({ context, scene, pixel }) {
  * @param {CanvasRenderingContext2D} context
  * @param {number} side
  * @param {number} scale
+ * @param {Point} middle
  * @param {number} ratio
  */
-function drawAxes(context, side, scale, ratio) {
+function drawAxes(context, side, scale, middle, ratio) {
   const size = letterSize() * ratio;
   const least = (0.2 * side) / scale;
   const power = 10 ** Math.floor(Math.log10(least));
   const step = power * Math.min(...ROUND.filter((round) => round * power >= least));
-  const most = Math.floor((0.5 * side) / scale / step);
   context.font = `${0.8 * size}px Roboto, system-ui, sans-serif`;
-  for (let k = -most; k <= most; k += 1) {
-    const words = k === 0 ? "0" : engineeringText(k * step, "length", 2).replace(/\.0+(?= )/, "");
-    const at = side / 2 + k * step * scale;
-    const width = context.measureText(words).width;
-    // Labels that would leave the map are left out.
-    if (at - width / 2 > 2.2 * size && at + width / 2 < side - 0.3 * size) {
-      label(context, words, at - width / 2, side - 0.75 * size, width, size);
-      context.fillRect(at - 0.5 * ratio, side - 0.45 * size, ratio, 0.45 * size);
-    }
+  /** @type {(centre: number) => { words: string, at: number, width: number }[]} */
+  const ticks = (centre) => {
+    const [from, to] = [-1, 1].map((end) => Math.round((centre + (end * side) / 2 / scale) / step));
+    return Array.from({ length: (to ?? 0) - (from ?? 0) + 1 }, (_, k) => {
+      const value = ((from ?? 0) + k) * step;
+      const words = tickWords(value, step);
+      return { words, at: side / 2 + (value - centre) * scale, width: context.measureText(words).width };
+    });
+  };
+  // Labels that would leave the map are left out.
+  for (const { words, at, width } of ticks(middle[0])) {
+    if (at - width / 2 <= 2.2 * size || at + width / 2 >= side - 0.3 * size) continue;
+    label(context, words, at - width / 2, side - 0.75 * size, width, size);
+    context.fillRect(at - 0.5 * ratio, side - 0.45 * size, ratio, 0.45 * size);
+  }
+  for (const { words, at, width } of ticks(middle[1])) {
     const up = side - at;
-    if (up > 2.6 * size && up < side - 2.4 * size) {
-      label(context, words, 0.7 * size, up + 0.28 * size, width, size);
-      context.fillRect(0, up - 0.5 * ratio, 0.45 * size, ratio);
-    }
+    if (up <= 2.6 * size || up >= side - 2.4 * size) continue;
+    label(context, words, 0.7 * size, up + 0.28 * size, width, size);
+    context.fillRect(0, up - 0.5 * ratio, 0.45 * size, ratio);
   }
   label(context, "x", side - 1.1 * size, side - 2.1 * size, context.measureText("x").width, size);
   label(context, "y", 0.7 * size, 1.4 * size, context.measureText("y").width, size);
+}
+
+/**
+ * A tick with as many digits as distinguish it from its neighbours.
+ * @param {number} value
+ * @param {number} step
+ * @returns {string}
+ */
+function tickWords(value, step) {
+  if (value === 0) return "0";
+  const digits = Math.floor(Math.log10(Math.abs(value)) + 1e-9) - Math.floor(Math.log10(step) + 1e-9) + 1;
+  return engineeringText(value, "length", Math.max(2, digits)).replace(/(\.\d*?)0+(?= )/, "$1").replace(/\.(?= )/, "");
 }
 
 /**
@@ -413,9 +449,10 @@ export function drawColourBar(bar, colours) {
 export function wordsAt(canvas, contents, event) {
   const { scene } = contents;
   const half = canvas.clientWidth / 2;
-  const metres = halfWidth(contents) / half;
-  const x = (event.offsetX - half) * metres;
-  const y = (half - event.offsetY) * metres;
+  const part = shownPart(contents);
+  const metres = part.half / half;
+  const x = part.middle[0] + (event.offsetX - half) * metres;
+  const y = part.middle[1] + (half - event.offsetY) * metres;
   const place = `${engineeringText(Math.hypot(x, y), "length", 3)} from the axis`;
   const pressure = scene.floor === null || scene.floorIsOlder ? null : floorPressure(scene.floor, x, y);
   let words =

@@ -209,12 +209,13 @@ function place({ vectors_m: [a, b], origin_m }, i, j) {
 }
 
 /**
- * Indices and centres of all pillars in a square around the lens axis with this half width, m.
+ * Indices and centres of all pillars in a square with this half width, m, around the lens axis or another centre.
  * @param {Lattice} lattice
  * @param {number} half
+ * @param {Point} [middle]
  * @returns {Generator<readonly [number, number, number, number]>}
  */
-export function* pillarsWithin(lattice, half) {
+export function* pillarsWithin(lattice, half, [right, up] = [0, 0]) {
   const [[a, b], [c, d]] = lattice.vectors_m;
   const [x0, y0] = lattice.origin_m;
   const area = a * d - b * c;
@@ -225,7 +226,7 @@ export function* pillarsWithin(lattice, half) {
     missing.add(`${lattice.missing[k] ?? 0} ${lattice.missing[k + 1] ?? 0}`);
   }
   // The indices of the corners of the square bound those of all pillars in it.
-  const corners = [-half, half].flatMap((x) => [-half, half].map((y) => /** @type {const} */ ([x - x0, y - y0])));
+  const corners = [-half, half].flatMap((x) => [-half, half].map((y) => /** @type {const} */ ([right + x - x0, up + y - y0])));
   const rows = corners.map(([x, y]) => (x * d - y * c) / area);
   const [low, high] = lattice.range ?? [-Infinity, Infinity];
   const first = Math.max(low, Math.ceil(Math.min(...rows)));
@@ -233,7 +234,7 @@ export function* pillarsWithin(lattice, half) {
   for (let i = first; i <= last; i += 1) {
     // A row enters and leaves the square where x or y reaches one of its sides.
     const [x, y] = place(lattice, i, 0);
-    const [from, to] = within([x, c, half], within([y, d, half], [low, high - 1]));
+    const [from, to] = within([x - right, c, half], within([y - up, d, half], [low, high - 1]));
     for (let j = Math.ceil(from); j <= Math.floor(to); j += 1) {
       if (missing.size > 0 && missing.has(`${i} ${j}`)) continue;
       yield [i, j, x + j * c, y + j * d];

@@ -34,6 +34,15 @@ const LAST_RELEASE = 2;
  * @property {number} load The load as a fraction of the way from first contact to the critical state. Above 1 it is
  *   beyond the critical state or, with adhesion, on unloading, with the last release at 2.
  * @property {number | null} exaggeration Exaggeration of heights in the section; null to fill the view.
+ * @property {MapView | null} view The part of the map that is shown; null for the whole map.
+ */
+
+/**
+ * A part of the map.
+ * @typedef {object} MapView
+ * @property {number} zoom Magnification, above 1.
+ * @property {number} x Its centre relative to the lens axis, m.
+ * @property {number} y
  */
 
 /**

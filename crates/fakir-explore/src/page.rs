@@ -45,6 +45,7 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("sketch"),
     script!("store"),
     script!("theme"),
+    script!("zoom"),
 ];
 
 const CSS: &str = "text/css; charset=utf-8";

@@ -1,0 +1,117 @@
+"""The part of the map that is shown: buttons, keys, wheel and pointer, with values under the pointer and files."""
+
+import re
+from pathlib import Path
+
+import pytest
+from test_explorer import paper
+
+# The note of the map at a fraction of its width and height.
+NOTE = """([across, down]) => {
+    const map = document.getElementById("map");
+    const { left, top, width, height } = map.getBoundingClientRect();
+    const place = { bubbles: true, clientX: left + across * width, clientY: top + down * height };
+    map.dispatchEvent(new PointerEvent("pointermove", place));
+    return document.getElementById("map-note").textContent;
+}"""
+
+WORDS = re.compile(r"× (\S+), centre x = (\S+)(?: (\S+))?, y = (\S+)(?: (\S+))?")
+UNITS = {None: 1, "µm": 1, "mm": 1e3, "nm": 1e-3}
+
+
+def view(page):
+    """Magnification and centre of the map, um."""
+    zoom, x, unit_x, y, unit_y = WORDS.fullmatch(page.text("zoom-words")).groups()
+    return [float(zoom), *(float(value.replace("−", "-")) * UNITS[unit] for value, unit in ((x, unit_x), (y, unit_y)))]
+
+
+def note(page, across, down):
+    return page.page.evaluate(NOTE, [across, down])
+
+
+def distance(words):
+    value, unit = re.search(r"(\S+) (nm|µm|mm) from the axis", words).groups()
+    return float(value) * UNITS[unit]
+
+
+def test_keys_magnify_and_move_the_map(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    corner = distance(note(page, 0.99, 0.5))
+    page.page.focus("#map-frame")
+    for _ in range(4):
+        page.press("+")
+    # Every step magnifies by 1.5.
+    zoom = 1.5**4
+    assert view(page) == pytest.approx([zoom, 0, 0], rel=2e-3)
+    assert distance(note(page, 0.99, 0.5)) == pytest.approx(corner / zoom, rel=0.02)
+    page.press("ArrowRight")
+    page.press("ArrowUp")
+    _, x, y = view(page)
+    # An arrow moves by 0.3 of half the width.
+    assert x == pytest.approx(0.3 * corner / 0.98 / zoom, rel=0.02) and y == pytest.approx(x)
+    assert distance(note(page, 0.5, 0.5)) == pytest.approx(2**0.5 * x, rel=0.02)
+    for _ in range(30):
+        page.press("ArrowLeft")
+    # It ends at the side of the whole map.
+    assert view(page)[1] == pytest.approx(-(1 - 1 / zoom) * corner / 0.98, rel=0.02)
+    page.press("-")
+    assert view(page)[0] == pytest.approx(1.5**3, rel=1e-2)
+    page.press("0")
+    assert page.text("zoom-words") == ""
+    assert page.page.is_disabled("#zoom-out") and page.page.is_disabled("#zoom-whole")
+
+
+def test_the_wheel_magnifies_around_the_pointer(explore):
+    """The value under the pointer stays; without a modifier the wheel scrolls the page."""
+    page = explore("#" + "&".join(paper(0.03)))
+    before = distance(note(page, 0.75, 0.4))
+    box = page.page.locator("#map").bounding_box()
+    page.page.mouse.move(box["x"] + 0.75 * box["width"], box["y"] + 0.4 * box["height"])
+    page.page.mouse.wheel(0, -120)
+    page.page.wait_for_timeout(200)
+    assert page.text("zoom-words") == ""
+    page.page.evaluate("() => scrollTo(0, 0)")
+    page.page.keyboard.down("Control")
+    page.page.mouse.wheel(0, -600)
+    page.page.keyboard.up("Control")
+    page.until("document.getElementById('zoom-words').textContent !== ''")
+    assert view(page)[0] == pytest.approx(2.718**1.5, rel=0.05)
+    assert distance(note(page, 0.75, 0.4)) == pytest.approx(before, rel=0.02)
+
+
+def test_the_map_is_dragged_and_the_link_restores_it(explore):
+    page = explore("#" + "&".join(paper(0.03)))
+    for _ in range(4):
+        page.page.click("#zoom-in")
+    box = page.page.locator("#map").bounding_box()
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    before = distance(note(page, 0.25, 0.5))
+    page.page.mouse.move(*middle)
+    page.page.mouse.down()
+    page.page.mouse.move(middle[0] + box["width"] / 4, middle[1], steps=5)
+    page.page.mouse.up()
+    # What was a quarter of the width left of the centre is now the centre.
+    assert -view(page)[1] == pytest.approx(before, rel=0.03)
+    page.until("location.hash.includes('map=5.0625+-')")
+    again = explore("#" + page.page.url.split("#")[1])
+    assert view(again) == view(page)
+    assert again.text("force-value") == page.text("force-value")
+    page.page.click("#reset")
+    page.until("document.getElementById('zoom-words').textContent === ''")
+
+
+def test_the_map_is_saved_as_shown(explore, tmp_path):
+    """The saved picture has the magnified pillars."""
+    page = explore("#" + "&".join(paper(0.03)))
+    pictures = []
+    for name in ("whole", "part"):
+        if name == "part":
+            for _ in range(6):
+                page.page.click("#zoom-in")
+        page.page.click("#export-menu summary")
+        with page.page.expect_download() as saved:
+            page.page.click("[data-shown='map.png']")
+        pictures.append(Path(saved.value.path()).read_bytes())
+        page.page.keyboard.press("Escape")
+    assert all(picture.startswith(b"\x89PNG") for picture in pictures)
+    assert pictures[0] != pictures[1]
