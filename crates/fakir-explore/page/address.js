@@ -20,18 +20,30 @@ function present(key) {
 }
 
 /**
- * The fragment for what is chosen.
+ * The fragment for what is chosen, and for the case beside it.
  * @param {Chosen} chosen
+ * @param {Chosen | null} [pinned]
  * @returns {string}
  */
-export function fragment(chosen) {
+export function fragment(chosen, pinned = null) {
   const parameters = new URLSearchParams();
   for (const [key, value] of Object.entries(chosen.case)) parameters.set(key, String(value));
   parameters.set("load", String(chosen.load));
   if (chosen.exaggeration !== null) parameters.set("exaggeration", String(chosen.exaggeration));
   const { view } = chosen;
   if (view !== null) parameters.set("map", [view.zoom, view.x, view.y].join(" "));
+  if (pinned !== null) parameters.set("compare", fragment(pinned).slice(1));
   return `#${parameters.toString()}`;
+}
+
+/**
+ * Reads the case that the fragment of an address compares with; null if there is none.
+ * @param {string} hash
+ * @returns {Chosen | null}
+ */
+export function pinnedIn(hash) {
+  const pinned = new URLSearchParams(hash.slice(1)).get("compare");
+  return pinned === null ? null : chosenIn(`#${pinned}`);
 }
 
 /**

@@ -181,6 +181,22 @@ const LOADING = {
 const WELL_SEEN = 0.25;
 
 /**
+ * Force against indentation of the pinned case.
+ * @param {State} state
+ * @returns {Place[]}
+ */
+function pinnedPlaces({ pinned }) {
+  if (pinned === null) return [];
+  const cycle = pinned.cycle?.is.solved ?? null;
+  if (cycle !== null) return cycle.summary.stations.map(placeOf);
+  const { critical, phase } = pinned;
+  if (critical === null || phase === null) return [];
+  /** @type {Place} */
+  const end = [critical.is.critical_indentation_m, critical.is.critical_force_N];
+  return [...phase.is.path.map(placeOf), end].sort(([a], [b]) => a - b);
+}
+
+/**
  * The load step of the cycle that is shown.
  * @param {State} state
  * @returns {CycleStation | null}
@@ -199,7 +215,8 @@ function drawCycle(state, cycle) {
   const curve = cycle.solved === null ? cycle.curve.map(placeOf) : cycle.solved.summary.stations.map(placeOf);
   const pull = cycle.solved?.summary.pull_off_force_N ?? null;
   const series = cycleSeries(state, cycle);
-  const [x, y] = [withPadding(curve.map(([x]) => x)), withPadding(curve.map(([, y]) => y))];
+  const all = [...curve, ...pinnedPlaces(state)];
+  const [x, y] = [withPadding(all.map(([x]) => x)), withPadding(all.map(([, y]) => y))];
   const force = engineeringText(pull ?? 0, "force", digitsFor(numericalErrorOf(cycle)));
   /** @type {(place: Place) => Lettering} */
   const name = (place) => ({ place, text: `pull-off ${force}`, style: "pull-name" });
@@ -273,6 +290,7 @@ function cycleSeries(state, { curve, solved }) {
   /** @type {Series[]} */
   const lines = [
     { kind: "points", style: "measured", points: measuredPlaces(state) },
+    { kind: "line", style: "pinned-path", points: pinnedPlaces(state) },
     { kind: "line", style: "zero", points: [[-1, 0], [1, 0]] },
     { kind: "line", style: "path", points: down },
     { kind: "line", style: "path unloading", points: turn === undefined ? up : [turn, ...up] },
@@ -368,11 +386,15 @@ function loadingContents(state) {
     series.push({ kind: "points", style, points: shown });
   }
   const measured = measuredPlaces(state);
-  series.unshift({ kind: "points", style: "measured", points: measured });
+  const pinned = pinnedPlaces(state);
+  series.unshift(
+    { kind: "points", style: "measured", points: measured },
+    { kind: "line", style: "pinned-path", points: pinned },
+  );
   /** @type {(k: 0 | 1) => number} */
   const most = (k) =>
-    1.05 * Math.max(...[reached, ...past, ...shown, ...measured].map((place) => place[k]).filter(Number.isFinite));
-  const [least] = extremes([0, ...measured.map(([, force]) => force)]);
+    1.05 * Math.max(...[reached, ...past, ...shown, ...measured, ...pinned].map((place) => place[k]).filter(Number.isFinite));
+  const [least] = extremes([0, ...[...measured, ...pinned].map(([, force]) => force)]);
   return { x: [0, most(0)], y: [least, most(1)], series };
 }
 

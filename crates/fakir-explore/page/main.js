@@ -1,7 +1,8 @@
 // The page: which view is drawn from which part of the state, and how inputs change the state.
 
 import { copy, drawNotices, save, saveShown } from "./actions.js";
-import { chosenIn, fragment } from "./address.js";
+import { chosenIn, fragment, pinnedIn } from "./address.js";
+import { compare, drawComparison, drawPinned } from "./compare.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
 import { lecture } from "./lecture.js";
@@ -36,7 +37,7 @@ import { drawZoom, zoomable } from "./zoom.js";
 /**
  * @import { Engine, Start, Texts, Values } from "./engine.js"
  * @import { MapContents } from "./map.js"
- * @import { Of, State } from "./store.js"
+ * @import { Chosen, Of, State } from "./store.js"
  */
 
 /**
@@ -197,12 +198,21 @@ function show(store) {
   );
   screen.add(
     (state) => [
-      ...[state.measured, state.contactPoint],
+      ...[state.measured, state.contactPoint, state.pinned],
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
     drawLoading,
     [loading, pull],
+  );
+  screen.add(
+    ({ pinned, pinning }) => [pinned, pinning],
+    (state) => drawPinned(state, mapContents),
+    [byId("pinned-map"), byId("pinned-section")],
+  );
+  screen.add(
+    (state) => [state.pinned, state.chosen, state.critical, state.solved, state.cycle, isOlder(state, state.solved, "load")],
+    drawComparison,
   );
   const residuals = byId("residuals");
   screen.add(
@@ -316,6 +326,7 @@ function listen(store, engine) {
   lecture(store);
   measure(store, engine);
   zoomable(store, mapContents);
+  compare(store);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
@@ -403,7 +414,7 @@ function rememberInAddress(store) {
   };
   /** @param {boolean} adds Whether the entry is a new one. */
   const write = (adds) => {
-    const hash = fragment(store.state.chosen);
+    const hash = hashOf(store.state);
     // An address that was just entered, before its event arrives, is not overwritten.
     if (location.hash !== known || hash === known) return;
     if (adds) place = last = place + 1;
@@ -412,7 +423,7 @@ function rememberInAddress(store) {
     show();
   };
   write(false);
-  afterwards(store, REMEMBER, (state) => state.chosen, () => write(true));
+  afterwards(store, REMEMBER, hashOf, () => write(true));
   byId("copy-link").addEventListener("click", () => {
     write(true);
     void copy(store, "link", location.href);
@@ -434,10 +445,39 @@ function rememberInAddress(store) {
     }
     show();
     const chosen = chosenIn(known);
-    if (chosen === null || known === fragment(store.state.chosen)) return;
-    store.choose(chosen, performance.now());
+    if (chosen === null || known === hashOf(store.state)) return;
+    open(store, chosen, pinnedIn(known));
   });
   show();
+}
+
+/**
+ * The fragment of the address for what is chosen and pinned.
+ * @param {State} state
+ * @returns {string}
+ */
+function hashOf({ chosen, pinned, pinning }) {
+  const then = pinning?.then ?? null;
+  return then === null ? fragment(chosen, pinned?.chosen) : fragment(then, chosen);
+}
+
+/**
+ * Shows a case, and the one beside it, which is solved first unless it is pinned already.
+ * @param {Store} store
+ * @param {Chosen} chosen
+ * @param {Chosen | null} beside
+ */
+function open(store, chosen, beside) {
+  const { pinned } = store.state;
+  if (beside === null) {
+    if (pinned !== null) store.unpin();
+    store.choose(chosen, performance.now());
+  } else if (pinned !== null && fragment(pinned.chosen) === fragment(beside)) {
+    store.choose(chosen, performance.now());
+  } else {
+    store.choose(beside, performance.now());
+    store.pinWhenComplete(chosen);
+  }
 }
 
 /**
@@ -474,8 +514,11 @@ function afterwards(store, delay, of, act) {
 /** @type {Engine} */
 const engine = document.documentElement.dataset["engine"] === "module" ? new Module() : new Server();
 const start = await engine.start();
-const first = chosenIn(location.hash) ?? { case: start.case, load: 1, exaggeration: null, view: null };
+const linked = chosenIn(location.hash);
+const beside = linked && pinnedIn(location.hash);
+const first = beside ?? linked ?? { case: start.case, load: 1, exaggeration: null, view: null };
 const store = new Store(start, first, performance.now());
+if (beside !== null) store.pinWhenComplete(linked);
 show(store);
 listen(store, engine);
 afterwards(store, REST, announcement, (words) => {

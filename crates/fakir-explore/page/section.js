@@ -16,21 +16,32 @@ export function drawSection(state) {
   const given = state.chosen.exaggeration;
   byId("exaggeration-fit").setAttribute("aria-pressed", String(given === null));
   if (given !== null) showExaggeration(given);
+  if (state.section === null) return;
+  const factor = sectionInto(svg, state.section.is, given);
+  if (given === null && factor !== null) showExaggeration(factor);
+}
+
+/**
+ * Draws a section; returns the exaggeration of its heights, which fills the view unless it is given, or null without a section.
+ * @param {SVGSVGElement} svg
+ * @param {Section | null} section
+ * @param {number | null} given
+ * @returns {number | null}
+ */
+export function sectionInto(svg, section, given) {
   const { width, height } = svg.getBoundingClientRect();
-  if (state.section === null || width < 40 || height < 40) return;
+  if (width < 40 || height < 40) return null;
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
-  const section = state.section.is;
   if (section === null) {
     const note = text("this method does not compute the section", width / 2, height / 2, "middle");
     note.setAttribute("class", "region");
     svg.replaceChildren(note);
-    return;
+    return null;
   }
   const half = section.x_m[section.x_m.length - 1] ?? 1;
   const [low, high] = span(section, 0.01 * half);
   const across = width / (2 * half);
   const factor = given ?? (0.62 * height) / (high - low) / across;
-  if (given === null) showExaggeration(factor);
   const up = across * factor;
   const middle = (low + high) / 2;
   /** @type {(x: number, z: number) => [string, string]} */
@@ -54,6 +65,7 @@ export function drawSection(state) {
     ...section.floor_contacts_m.map(([x, z]) => floorMark(place(x, z), em)),
     ...names(width, height, em, across),
   );
+  return factor;
 }
 
 /**

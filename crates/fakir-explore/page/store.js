@@ -153,6 +153,9 @@ const LAST_RELEASE = 2;
  * @property {number} contactPoint Position of the measured curve at which the lens is level with the pillar tops, m.
  * @property {Fitted | null} fitted The fit of the measured curve.
  * @property {string} dataWords How reading or fitting of the curve went.
+ * @property {State | null} pinned The state of the case that stays beside the present one.
+ * @property {{ then: Chosen | null } | null} pinning Whether the present case is to be pinned once it is complete, and what is chosen
+ *   afterwards.
  * @property {string} announcement The text that screen readers read out.
  */
 
@@ -205,6 +208,8 @@ export class Store {
       contactPoint: 0,
       fitted: null,
       dataWords: "",
+      pinned: null,
+      pinning: null,
       announcement: "",
     };
   }
@@ -317,6 +322,24 @@ export class Store {
    */
   setData(part) {
     this.#change(part);
+  }
+
+  /**
+   * Pins the present case once it is complete; `then` is chosen afterwards.
+   * @param {Chosen | null} then
+   */
+  pinWhenComplete(then) {
+    this.#change({ pinning: { then }, pinned: null });
+  }
+
+  /** Keeps the present state beside those that follow. */
+  pin() {
+    this.#change({ pinning: null, pinned: { ...this.#state, pinned: null, pinning: null } });
+  }
+
+  /** Removes the pinned case. */
+  unpin() {
+    this.#change({ pinning: null, pinned: null });
   }
 
   /** @param {string} announcement */

@@ -26,6 +26,7 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("actions"),
     script!("address"),
     script!("charts"),
+    script!("compare"),
     script!("controls"),
     script!("diagrams"),
     script!("engine"),
