@@ -43,6 +43,18 @@ impl Entry {
         }
     }
 
+    /// A list of numbers in SI units that does not come from a file, as [`of_setting`](Self::of_setting).
+    pub(crate) fn of_list(name: &str, key: Key, values: &[f64]) -> Self {
+        let text = format!("{key} = {values:?}");
+        Self {
+            place: Place {
+                span: 0..text.len(),
+                source: Source::new(name, &text),
+            },
+            value: Value::List(values.iter().map(|value| Value::InSi(*value)).collect()),
+        }
+    }
+
     /// A setting that does not come from a file. Errors show it as `key = value` under that name.
     pub(crate) fn of_setting(name: &str, key: Key, setting: Setting) -> Self {
         let text = format!("{key} = {}", key.written(&setting));

@@ -247,6 +247,12 @@ impl CaseFile {
         }
     }
 
+    /// Sets a list of numbers in SI units.
+    pub fn set_list(&mut self, key: Key, values: &[f64]) {
+        let entry = Entry::of_list("a list that was set", key, values);
+        self.put(key, entry);
+    }
+
     /// Sets a key and replaces all entries for the same choice.
     pub(crate) fn put(&mut self, key: Key, entry: Entry) {
         for other in replaced_by(key, &entry.value) {

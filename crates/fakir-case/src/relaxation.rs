@@ -82,6 +82,21 @@ impl CaseFile {
         self.relaxation_of(&parts)
     }
 
+    /// The numbers of `relaxation.strengths` or `relaxation.times` in the order of the file; none if they are not given.
+    ///
+    /// # Errors
+    /// [`CaseError`] for values that are no numbers.
+    pub fn relaxation_terms(&self, key: Key) -> Result<Vec<f64>, CaseError> {
+        let mut parts = Parts::default();
+        if let Some(entry) = self.entry(key) {
+            self.read_value(key, entry, &mut parts)?;
+        }
+        Ok(match key {
+            Key::RelaxationStrengths => parts.relaxation.strengths,
+            _ => parts.relaxation.times,
+        })
+    }
+
     /// The relaxation of viscoelastic bodies.
     ///
     /// # Errors

@@ -236,6 +236,11 @@ pub(crate) enum Command {
     /// branch contains loading or unloading in every row; without it unloading begins after the largest load. Pull-off is the smallest
     /// force, negative as measured; it determines the initial value of the work of adhesion.
     ///
+    /// With viscoelastic bodies (a case with [relaxation]) and a column time_s the rows are one history of ramps and holds, in the order of
+    /// time; between rows the indentation is linear in time, and before the first row there was no contact. young_modulus is the relaxed
+    /// modulus, and relaxation.strengths[0], relaxation.times[0] and those of further terms can be free. With elastic bodies a column of
+    /// times is used to test whether the forces depend on the rate.
+    ///
     /// Several files are fitted separately, with the same case and options. Printed are the values of every file and, for every parameter,
     /// mean, standard deviation, standard error of the mean, and weighted mean; with at least 5 files, a value is named as an outlier if
     /// its modified z-score, 0.6745 (value - median)/(median absolute deviation), is beyond 3.5. It remains in the mean. If a file cannot
@@ -249,6 +254,7 @@ pub(crate) enum Command {
   fakir fit data.csv --case case.toml --free substrate.young_modulus --free contact_point \\
       --machine-compliance 2e-3 --force-error 0.5uN --output fitted
   fakir fit retraction.csv --case sticky.toml --free adhesion.work,contact_point,force_offset
+  fakir fit relaxation.csv --case rubber.toml --free 'substrate.young_modulus,relaxation.strengths[0],relaxation.times[0]'
   fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point \\
       --threads 0 --output fitted
   fakir fit measured/*.csv --case case.toml --free substrate.young_modulus,contact_point --joint")]
@@ -1060,7 +1066,8 @@ pub(crate) struct Fit {
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.pitch, pattern.offset,
     /// pattern.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
-    /// force_offset, displacement_drift, force_drift, force_slope; with commas, or repeated
+    /// force_offset, displacement_drift, force_drift, force_slope, and with a column of times relaxation.strengths[0],
+    /// relaxation.times[0] up to [3]; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]
     pub(crate) free: Vec<Parameter>,
     /// Fit all files together: shared parameters have one value for all files, the others a value for every file
@@ -1230,7 +1237,7 @@ fn fitted(text: &str) -> Result<Parameter, String> {
     let named = Parameter::all_named(text.trim());
     match named[..] {
         [parameter] => Ok(parameter),
-        [] => Err(one_of(Parameter::ALL.into_iter().map(Parameter::name))),
+        [] => Err(one_of(Parameter::names())),
         _ => Err(one_of(named.into_iter().map(Parameter::name))),
     }
 }

@@ -180,7 +180,8 @@ fn of_curve(message: impl Into<String>) -> Refusal {
 
 fn parameter(name: &str) -> Result<Parameter, Refusal> {
     Parameter::named(name).ok_or_else(|| {
-        let known = Parameter::ALL.map(Parameter::name).join(", ");
+        let known: Vec<&str> = Parameter::names().collect();
+        let known = known.join(", ");
         Refusal::impossible("no such parameter of a fit")
             .at("free")
             .accepted(known)

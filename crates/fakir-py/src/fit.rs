@@ -242,12 +242,11 @@ fn parameters(py: Python<'_>, names: &[String]) -> PyResult<Vec<Parameter>> {
     }
     let parameters = names.iter().map(|name| {
         let named = Parameter::all_named(name);
-        let listed = match named[..] {
+        let names: Vec<&str> = match named[..] {
             [parameter] => return Ok(parameter),
-            [] => &Parameter::ALL[..],
-            _ => &named,
+            [] => Parameter::names().collect(),
+            _ => named.iter().map(|parameter| parameter.name()).collect(),
         };
-        let names: Vec<&str> = listed.iter().map(|parameter| parameter.name()).collect();
         let names = names.join(", ");
         Err(value_error(format!(
             "{name} cannot be fitted: give some of {names}"

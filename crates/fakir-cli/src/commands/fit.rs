@@ -111,6 +111,14 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
         fitted.iterations,
         crate::numbers::seconds(wall_time)
     );
+    if let (true, Some(last)) = (fitted.is_viscoelastic, data.rows().last()) {
+        let begin = data.rows().first().and_then(|row| row.time);
+        let duration = last.time.unwrap_or(0.0) - begin.unwrap_or(0.0);
+        text += &format!(
+            "history of viscoelastic bodies over {}; moduli are the relaxed ones\n\n",
+            with_unit(duration, Dimension::Time, 3)
+        );
+    }
     text += &estimates_table(&fitted.estimates);
     text.push('\n');
     if let Some(pull_off) = &fitted.pull_off {

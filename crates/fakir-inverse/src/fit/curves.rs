@@ -103,8 +103,8 @@ impl CurveFits {
     pub fn mean_case(&self, file: &CaseFile) -> CaseFile {
         let mut mean = file.clone();
         for (parameter, found) in self.free.iter().zip(&self.statistics) {
-            if let (Parameter::Key(key), Some(found)) = (parameter, found) {
-                mean.set_number(*key, found.mean);
+            if let Some(found) = found {
+                parameter.set(&mut mean, found.mean);
             }
         }
         match mean.case() {

@@ -53,6 +53,24 @@ pub enum FitError {
         /// The parameter.
         parameter: Parameter,
     },
+    /// Strengths or times of a relaxation, but the data contain no times.
+    #[error("{name}: {} takes a column time_s with a value in every row", .parameter.name())]
+    NoTimes {
+        /// The file.
+        name: String,
+        /// The parameter.
+        parameter: Parameter,
+    },
+    /// Data over time of viscoelastic bodies that do not contain their history.
+    #[error("{name}, line {line}: {problem}")]
+    History {
+        /// The file.
+        name: String,
+        /// The line.
+        line: u64,
+        /// What is missing.
+        problem: &'static str,
+    },
     /// Too many starts.
     #[error("{0} starts: give 1 to {MOST_STARTS}")]
     TooManyStarts(usize),
@@ -212,7 +230,8 @@ impl FitError {
 }
 
 fn parameter_names() -> String {
-    Parameter::ALL.map(Parameter::name).join(", ")
+    let names: Vec<&str> = Parameter::names().collect();
+    names.join(", ")
 }
 
 #[cfg(test)]

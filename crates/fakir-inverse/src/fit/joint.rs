@@ -123,7 +123,9 @@ impl JointFit {
 /// The free parameters that are shared if none are named: keys of the case, except for the position of the axis.
 #[must_use]
 pub fn shared_by_default(free: &[Parameter]) -> Vec<Parameter> {
-    let of_sample = |parameter: &Parameter| matches!(parameter, Parameter::Key(key) if !matches!(key, Key::Offset | Key::OffsetAngle));
+    let of_axis =
+        |parameter: &Parameter| matches!(parameter, Parameter::Key(Key::Offset | Key::OffsetAngle));
+    let of_sample = |parameter: &Parameter| parameter.is_of_case() && !of_axis(parameter);
     free.iter().copied().filter(of_sample).collect()
 }
 
@@ -533,9 +535,7 @@ impl<'m> Joint<'m> {
                 });
                 shared = of.cloned().collect();
                 for estimate in &shared {
-                    if let Parameter::Key(key) = estimate.parameter {
-                        file.set_number(key, estimate.value);
-                    }
+                    estimate.parameter.set(&mut file, estimate.value);
                 }
             }
             curves.push(fit);

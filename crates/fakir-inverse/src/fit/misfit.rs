@@ -109,6 +109,58 @@ pub struct LeftOut {
     pub value: Option<f64>,
 }
 
+/// Score test of the relaxation of viscoelastic bodies in a fit with elastic ones: whether the residuals are correlated with the force of a weak
+/// term of relaxation, `F - ∫ exp(-(t - s)/tau) F(s) ds/tau` of the elastic force `F`, of the first order in the strength.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RateTest {
+    /// Relaxation time of the most significant term of those tried, s.
+    pub time: f64,
+    /// Its strength after a linear step.
+    pub strength: f64,
+    /// Probability, if the data do not depend on the rate, of at least this correlation in any of the terms tried.
+    pub p_value: f64,
+}
+
+impl RateTest {
+    /// Whether the data depend on the rate.
+    #[must_use]
+    pub fn is_significant(&self) -> bool {
+        self.p_value < LEVEL
+    }
+
+    /// Message to the user if the data depend on the rate.
+    #[must_use]
+    pub fn statement(&self) -> Option<String> {
+        self.is_significant().then(|| {
+            format!(
+                "the forces depend on the rate (p = {}), and the bodies of the fit are elastic: its moduli are those of this test only; give [relaxation] in the case, and free its strengths and times, to begin with strengths = [{:.1}] and times = [\"{:.2} s\"]",
+                probability(self.p_value),
+                self.strength.max(0.1),
+                self.time
+            )
+        })
+    }
+}
+
+/// The force of a weak term of relaxation at every time (s): the forces minus their memory, in which they are linear in time between the rows.
+pub(super) fn weak_relaxation(times: &[f64], forces: &[f64], time: f64) -> Vec<f64> {
+    let mut memory = 0.0;
+    let mut before: Option<[f64; 2]> = None;
+    let rows = times.iter().zip(forces);
+    rows.map(|(at, force)| {
+        if let Some([start, from]) = before {
+            let width = at - start;
+            if width > 0.0 {
+                let lag = (force - from) / width * time;
+                memory = force - lag + (memory - from + lag) * (-width / time).exp();
+            }
+        }
+        before = Some([*at, *force]);
+        force - memory
+    })
+    .collect()
+}
+
 /// Decrease of the sum of squares when a column is added to a linear fit, and the corresponding step. Residuals and column are divided by
 /// the errors and projected orthogonally to the free parameters. `None` if nothing remains of the column.
 pub(super) struct Score {
@@ -299,6 +351,20 @@ mod tests {
         // numbers of runs add up to one.
         assert!((probability_of_runs(1, 1, 2) - 1.0).abs() < 1e-12);
         assert!((probability_of_runs(70, 50, 120) - 1.0).abs() < 1e-10);
+    }
+
+    #[test]
+    fn weak_relaxation_of_a_ramp_and_a_hold() {
+        // A force v t up to T: its memory is v (t - tau (1 - exp(-t/tau))), and from T on the difference from v T decays with tau.
+        let times: Vec<f64> = (0..40).map(|k| 0.5 * f64::from(k)).collect();
+        let (speed, tau, end) = (2.0, 3.0, 8.0f64);
+        let forces: Vec<f64> = times.iter().map(|t| speed * t.min(end)).collect();
+        let found = weak_relaxation(&times, &forces, tau);
+        for (t, found) in times.iter().zip(found) {
+            let ramp = speed * tau * (1.0 - (-t.min(end) / tau).exp());
+            let expected = ramp * (-(t - end).max(0.0) / tau).exp();
+            assert!((found - expected).abs() < 1e-12, "{t}");
+        }
     }
 
     #[test]

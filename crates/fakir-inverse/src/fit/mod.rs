@@ -9,6 +9,10 @@
 //! With adhesion all rows belong to one [cycle](fakir::cycle) of loading and unloading, up to the largest measured load, and each row
 //! has a branch. The cycle is driven by a machine with the fitted compliance.
 //!
+//! If the case has a [relaxation](fakir_case::CaseRelaxation) and all rows have a time, the rows are the history of viscoelastic bodies. Between rows
+//! the indentation is linear in time; before the first row there was no contact. All states follow from one elastic loading curve, which scales with
+//! the moduli ([`measured_history`](fakir::solve::viscoelastic::measured_history)); strengths and relaxation times can be fitted too.
+//!
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J.
 //! SIAM 11, 431 (1963)), over the logarithms of moduli, sizes and works of adhesion (near zero, over the work itself). Derivatives of the contact are exact, or central
@@ -45,6 +49,9 @@
 //! fixed parameter the score test, which shows whether the residuals are correlated with its effect. With estimated errors this is the t-test of an
 //! added column in a linear regression. For the thickness of a half-space the test is one-sided, in the inverse of the thickness, which cannot be
 //! negative. Rows whose error is mainly due to jumps are correlated and have no runs test.
+//!
+//! If an elastic fit has forces at known times, [`RateTest`] is the same score test of a weak relaxation, with five relaxation times from the duration
+//! of the data to a hundredth of it. It is exact to the first order in the strength while the contact grows.
 
 mod attachment;
 mod cells;
@@ -65,6 +72,7 @@ mod misfit;
 mod model;
 mod options;
 mod orientation;
+mod over_time;
 mod parameter;
 mod radius;
 mod reading;
@@ -85,7 +93,7 @@ pub use joint::{Agreement, JointFit, fit_jointly, shared_by_default};
 pub use joint_report::JointSummary;
 pub use layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason, Skipped};
 pub use measurements::{Measured, Measurement, Measurements, Position, Quantity};
-pub use misfit::{LEVEL, LeftOut, Misfit, RunsTest};
+pub use misfit::{LEVEL, LeftOut, Misfit, RateTest, RunsTest};
 pub use options::{FitOptions, MOST_STARTS};
 pub use parameter::Parameter;
 pub use report::FitSummary;
@@ -178,7 +186,7 @@ impl Compared {
 pub struct FittedRow {
     /// Measured values.
     pub measurement: Measurement,
-    /// Branch of the cycle; `None` without adhesion.
+    /// Branch of the cycle or of the history of viscoelastic bodies; otherwise `None`.
     pub branch: Option<Branch>,
     /// Computed indentation, m.
     pub indentation: f64,
@@ -213,7 +221,7 @@ impl FittedRow {
 /// A point of a computed curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvePoint {
-    /// Branch of the cycle; `None` without adhesion.
+    /// Branch of the cycle or of the history of viscoelastic bodies; otherwise `None`.
     pub branch: Option<Branch>,
     /// Displacement or indentation, m; the force, N, if that is the load.
     pub load: f64,
@@ -284,6 +292,8 @@ pub struct Fit {
     pub moments: Vec<f64>,
     /// Whether the fit describes the data.
     pub misfit: Misfit,
+    /// Whether forces at known times depend on the rate, in a fit with elastic bodies; `None` without times, and with adhesion.
+    pub rate: Option<RateTest>,
     /// Searches; the first one starts from the case.
     pub starts: Vec<StartedFit>,
     /// Number of contacts, gradients and cycles solved.
@@ -294,6 +304,8 @@ pub struct Fit {
     pub method: &'static str,
     /// Pull-off of this cycle and of the data; `None` without unloading.
     pub pull_off: Option<FittedPullOff>,
+    /// Whether the rows are the history of viscoelastic bodies.
+    pub is_viscoelastic: bool,
     /// The case with the fitted values.
     pub file: CaseFile,
     /// Limits of the model in the contact under the largest load used, with the fitted values; `None` without such a contact.
@@ -493,6 +505,12 @@ fn check(
             });
         }
         let name = || data.name().to_owned();
+        if parameter.is_of_relaxation() && !data.has_times() {
+            return Err(FitError::NoTimes {
+                name: name(),
+                parameter: *parameter,
+            });
+        }
         if parameter.is_of_force() && data.rows().iter().all(|row| row.force.is_none()) {
             return Err(FitError::NoForce {
                 name: name(),
@@ -1143,6 +1161,11 @@ impl<'a> Search<'a> {
             // two cycles.
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
             Parameter::Key(_) if parameter.is_work() => self.model.is_adhesive && has_unloading,
+            // Another elastic curve would be needed for every size.
+            Parameter::Key(key) if self.model.is_viscoelastic => {
+                matches!(key, Key::SubstrateYoungModulus | Key::LensYoungModulus)
+            }
+            _ if parameter.is_of_relaxation() => self.model.is_viscoelastic,
             // On pillars with adhesion there are no layers.
             Parameter::Key(_) if parameter.is_thickness() => {
                 !self.model.is_adhesive || self.model.is_flat()
@@ -1190,6 +1213,84 @@ impl<'a> Search<'a> {
         let suspicion = |left: &LeftOut| (1e6 * left.p_value.ln()).round();
         left.sort_by(|a, b| suspicion(a).total_cmp(&suspicion(b)));
         Ok(left)
+    }
+
+    /// Test of whether forces at known times depend on the rate.
+    fn rate_test(&self, freedom: usize) -> Option<RateTest> {
+        /// Relaxation times that are tried, as fractions of the duration of the data.
+        const FRACTIONS: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
+        let data = self.model.data;
+        let suits = !self.model.is_viscoelastic && !self.model.is_adhesive && data.has_times();
+        let linear = self.linear.as_ref().filter(|_| suits && freedom > 1)?;
+        if self.is_exact(Quantity::Force) {
+            return None;
+        }
+        // In the order of time; rows that were left out are not part of the history.
+        let mut rows: Vec<(usize, f64)> = data
+            .rows()
+            .iter()
+            .enumerate()
+            .filter(|(number, _)| self.used[*number])
+            .filter_map(|(number, row)| Some((number, row.time?)))
+            .collect();
+        rows.sort_by(|one, other| one.1.total_cmp(&other.1));
+        let times: Vec<f64> = rows.iter().map(|(_, time)| *time).collect();
+        let forces: Vec<f64> = rows
+            .iter()
+            .map(|(row, _)| self.states[*row].force)
+            .collect();
+        let duration = times.last()? - times.first()?;
+        let between = duration / (times.len() as f64 - 1.0);
+        let compliance = self
+            .model
+            .settings(&self.unknowns)
+            .ok()?
+            .compliance(data.position());
+        let residuals = self.residuals().into_iter().zip(&self.errors);
+        let weighted: Vec<f64> = residuals
+            .map(|(residual, error)| residual / error)
+            .collect();
+        let rest = linear.rest(&weighted);
+        let squares: f64 = rest.iter().map(|residual| residual * residual).sum();
+        let tried: Vec<f64> = FRACTIONS
+            .iter()
+            .map(|part| part * duration)
+            .filter(|time| *time >= between)
+            .collect();
+        let test = |time: &f64| {
+            let mut by_row = vec![0.0; self.states.len()];
+            let terms = misfit::weak_relaxation(&times, &forces, *time);
+            for ((row, _), term) in rows.iter().zip(terms) {
+                by_row[*row] = term;
+            }
+            let values = self.data.iter().zip(&self.errors);
+            let column: Vec<f64> = values
+                .map(|(datum, error)| match datum.quantity {
+                    Quantity::Force => {
+                        // At a fixed reading, of which the machine takes a part.
+                        let part = compliance * self.derivatives[datum.row].force_by_position;
+                        by_row[datum.row] * (1.0 - part) / error
+                    }
+                    Quantity::ContactRadius => 0.0,
+                })
+                .collect();
+            let length = column.iter().map(|value| value * value).sum::<f64>().sqrt();
+            let score = Score::new(&rest, &linear.rest(&column), length)?;
+            let both = score.p_value(squares, freedom, self.scatter_counts());
+            // Strengths are positive.
+            let p_value = if score.step > 0.0 {
+                0.5 * both
+            } else {
+                1.0 - 0.5 * both
+            };
+            Some(RateTest {
+                time: *time,
+                strength: score.step,
+                p_value: (p_value * tried.len() as f64).min(1.0),
+            })
+        };
+        let tests = tried.iter().filter_map(test);
+        tests.min_by(|one, other| one.p_value.total_cmp(&other.p_value))
     }
 
     /// Score tests of fixed parameters; `None` if the model has no derivatives with respect to them.
@@ -1310,6 +1411,7 @@ impl<'a> Search<'a> {
         };
         let curve = match &solved {
             Some((curve, _)) => self.curve_of_cycle(&settings, curve),
+            None if self.model.is_viscoelastic => self.curve_over_time(&settings),
             None => self.curve(&settings)?,
         };
         let pull_off = match &solved {
@@ -1338,11 +1440,13 @@ impl<'a> Search<'a> {
             force_slope: settings.force_slope,
             moments: self.model.moments.clone(),
             misfit: self.misfit()?,
+            rate: self.rate_test(freedom),
             starts: Vec::new(),
             solutions: self.model.solved() + self.solved.get(),
             cycle: solved.map(|(_, cycle)| cycle),
             method: settings.case.method_name(),
             pull_off,
+            is_viscoelastic: self.model.is_viscoelastic,
             file: self.model.file(&self.unknowns),
             termination,
             iterations: self.earlier_iterations + self.iterations,
@@ -1566,6 +1670,13 @@ impl<'a> Search<'a> {
     /// Estimated interpolation errors of force and contact radius of every row; `None` if all rows were solved.
     fn interpolation_errors(&self) -> Result<Option<Vec<[f64; 2]>>, FitError> {
         let tolerance = self.tolerance();
+        if self.model.is_viscoelastic {
+            let settings = self.model.settings(&self.unknowns)?;
+            let error = self.model.error_over_time(&settings)?;
+            let forces = self.states.iter().map(|state| state.force);
+            let largest = forces.fold(0.0, larger);
+            return Ok(Some(vec![[error * largest, 0.0]; self.states.len()]));
+        }
         match &self.sampled {
             Some(sampled) if !tolerance.every_row => {
                 let states = &self.states;
@@ -1598,7 +1709,8 @@ impl<'a> Search<'a> {
             };
             FittedRow {
                 measurement: *measurement,
-                branch: self.model.is_adhesive.then(|| self.model.branches[number]),
+                branch: (self.model.is_adhesive || self.model.is_viscoelastic)
+                    .then(|| self.model.branches[number]),
                 indentation: state.indentation,
                 force: compared(Quantity::Force, state.read_force),
                 contact_radius: compared(Quantity::ContactRadius, state.contact_radius),
@@ -1710,6 +1822,27 @@ impl<'a> Search<'a> {
             points.extend(of_branch(Branch::Unloading));
         }
         points
+    }
+
+    /// Computed curve of a history, through its rows.
+    fn curve_over_time(&self, settings: &model::Settings) -> Vec<CurvePoint> {
+        let rows = self.model.data.rows().iter().zip(&self.states).enumerate();
+        let points = rows.filter(|(number, _)| self.used[*number]);
+        let points = points.map(|(number, (row, state))| {
+            let moment = self.model.moments[number];
+            let drift = match self.model.data.position() {
+                Position::Displacement => settings.displacement_drift,
+                Position::Indentation => 0.0,
+                Position::None => settings.force_drift,
+            };
+            CurvePoint {
+                branch: Some(self.model.branches[number]),
+                load: model::load_of(row) - drift * moment,
+                force: state.force + settings.base_line(0.0, self.model.travel(row)),
+                contact_radius: state.contact_radius,
+            }
+        });
+        points.collect()
     }
 
     /// Computed curve over the range of the data used.

@@ -6,17 +6,20 @@ use super::curve::Curve;
 use super::error::FitError;
 use super::measurements::{Measurement, Measurements, Position};
 use super::options::FitOptions;
+use super::over_time::{Curves, Reach};
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
 use super::subject::{FittedCycle, Subject, some};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, UnloadingPoint};
+use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, Relaxation, UnloadingPoint};
+use fakir::solve::viscoelastic::{MeasuredBy, MeasuredLoad, measured_history};
 use fakir::state::{
     Branch, ContactState, Gradient, LARGEST_ERROR, Limit, Run, Solution, SolveError,
 };
 use fakir_case::{Case, CaseFile, FlatCase, Key};
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Relative step of differences. The error of a difference is the square of the step. Kinks of the
@@ -153,6 +156,8 @@ pub(super) struct Settings {
     pub(super) force_drift: f64,
     /// Slope of the reading without any force over the displacement, N/m.
     pub(super) force_slope: f64,
+    /// Relaxation of viscoelastic bodies, if the data contain times.
+    pub(super) relaxation: Option<Relaxation>,
 }
 
 impl Settings {
@@ -237,6 +242,10 @@ pub(super) struct Model<'a> {
     /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
     /// unloading.
     pub(super) is_adhesive: bool,
+    /// Whether the bodies are viscoelastic and the data contain times: then all rows belong to one history.
+    pub(super) is_viscoelastic: bool,
+    /// Elastic curves for it.
+    curves: Arc<Curves>,
     /// The branch of every row.
     pub(super) branches: Vec<Branch>,
     /// For every row, whether the lens is attached, if the data show it.
@@ -265,6 +274,11 @@ impl<'a> Model<'a> {
         if is_adhesive {
             data.check_cycles()?;
         }
+        let relaxation = relaxation_over_time(file, data)?;
+        if relaxation.is_some() {
+            case.check_history()?;
+            check_history(data)?;
+        }
         let branches = data.branches();
         let orders = [Branch::Loading, Branch::Unloading].map(|branch| {
             let rows = 0..branches.len();
@@ -284,8 +298,11 @@ impl<'a> Model<'a> {
                 displacement_drift: options.displacement_drift,
                 force_drift: options.force_drift,
                 force_slope: options.force_slope,
+                relaxation: relaxation.clone(),
             },
             scales: Vec::new(),
+            is_viscoelastic: relaxation.is_some(),
+            curves: Arc::default(),
             // Threads share the rows; every row is computed by one thread.
             single: Run {
                 pool: None,
@@ -333,6 +350,8 @@ impl<'a> Model<'a> {
             pool: self.pool,
             wants_radius: self.wants_radius,
             is_adhesive: self.is_adhesive,
+            is_viscoelastic: self.is_viscoelastic,
+            curves: Arc::clone(&self.curves),
             branches: self.branches.clone(),
             attached: self.attached.clone(),
             orders: self.orders.clone(),
@@ -374,6 +393,9 @@ impl<'a> Model<'a> {
                     Scale::Multiple(self.largest_force())
                 }
                 Parameter::ForceSlope => Scale::Multiple(self.largest_force() / range),
+                Parameter::RelaxationStrength(_) | Parameter::RelaxationTime(_) => {
+                    Scale::Logarithm(self.start_of(*parameter)?)
+                }
             })
         });
         scales.collect()
@@ -507,10 +529,21 @@ impl<'a> Model<'a> {
     fn likely_contact_point(&self) -> Result<f64, FitError> {
         let wanted = 0.1 * self.largest_force();
         let rows = self.data.rows().iter().zip(&self.branches);
-        let rows = rows.filter(|(_, branch)| !self.is_adhesive || **branch == Branch::Loading);
+        let is_cycle = self.is_adhesive || self.is_viscoelastic;
+        let rows = rows.filter(|(_, branch)| !is_cycle || **branch == Branch::Loading);
         let offset = self.start.force_offset;
-        let loaded =
-            rows.filter_map(|(row, _)| Some((row.position?.value, row.force?.value - offset)));
+        // Viscoelastic bodies are stiffer the earlier they are loaded.
+        let begin = self.data.rows().first().and_then(|row| row.time);
+        let stiffer = |row: &Measurement| match (&self.start.relaxation, row.time, begin) {
+            (Some(relaxation), Some(time), Some(begin)) => relaxation.at(time - begin),
+            _ => 1.0,
+        };
+        let loaded = rows.filter_map(|(row, _)| {
+            Some((
+                row.position?.value,
+                (row.force?.value - offset) / stiffer(row),
+            ))
+        });
         let away = |force: f64| (force / wanted).ln().abs();
         let nearest = loaded
             .filter(|(_, force)| *force > 0.0)
@@ -563,6 +596,10 @@ impl<'a> Model<'a> {
             Parameter::DisplacementDrift => Ok(self.start.displacement_drift),
             Parameter::ForceDrift => Ok(self.start.force_drift),
             Parameter::ForceSlope => Ok(self.start.force_slope),
+            Parameter::RelaxationStrength(_) | Parameter::RelaxationTime(_) => {
+                let given = parameter.of_relaxation(&self.file)?;
+                given.ok_or(FitError::NotGiven(parameter))
+            }
         }
     }
 
@@ -683,6 +720,9 @@ impl<'a> Model<'a> {
     pub(super) fn file(&self, unknowns: &[f64]) -> CaseFile {
         let mut file = self.file.clone();
         for (number, unknown) in unknowns.iter().enumerate() {
+            if self.free[number].is_of_relaxation() {
+                self.free[number].set(&mut file, self.value(number, *unknown));
+            }
             if let Parameter::Key(key) = self.free[number] {
                 let mut value = self.value(number, *unknown);
                 if self.free[number].is_work() && value < Adhesion::SMALLEST_WORK {
@@ -698,8 +738,13 @@ impl<'a> Model<'a> {
     }
 
     pub(super) fn settings(&self, unknowns: &[f64]) -> Result<Settings, FitError> {
+        let file = self.file(unknowns);
         let mut settings = Settings {
-            case: Subject::of(&self.file(unknowns))?,
+            case: Subject::of(&file)?,
+            relaxation: match &self.start.relaxation {
+                Some(_) => relaxation_over_time(&file, self.data)?,
+                None => None,
+            },
             ..self.start.clone()
         };
         for (number, unknown) in unknowns.iter().enumerate() {
@@ -714,7 +759,9 @@ impl<'a> Model<'a> {
                 }
                 Parameter::ForceDrift => settings.force_drift = self.value(number, *unknown),
                 Parameter::ForceSlope => settings.force_slope = self.value(number, *unknown),
-                Parameter::Key(_) => {}
+                Parameter::Key(_)
+                | Parameter::RelaxationStrength(_)
+                | Parameter::RelaxationTime(_) => {}
             }
         }
         Ok(settings)
@@ -724,6 +771,9 @@ impl<'a> Model<'a> {
     /// of at least the given fraction of the range of the loads.
     pub(super) fn states(&self, unknowns: &[f64], stretch: f64) -> Result<Vec<State>, FitError> {
         let settings = self.settings(unknowns)?;
+        if let Some(relaxation) = &settings.relaxation {
+            return self.states_over_time(&settings, relaxation);
+        }
         if let Subject::Flat(case) = &settings.case {
             return self.states_on_flat(case, &settings);
         }
@@ -738,6 +788,109 @@ impl<'a> Model<'a> {
                 ..state
             })
         })
+    }
+
+    /// The loads of all rows over time, without the contributions of the instrument, and what they are.
+    fn history(&self, settings: &Settings) -> (MeasuredBy, Vec<MeasuredLoad>) {
+        let position = self.data.position();
+        let by = match position {
+            Position::None => MeasuredBy::Force,
+            _ => MeasuredBy::Position {
+                compliance: settings.compliance(position),
+            },
+        };
+        let rows = self.data.rows().iter().zip(&self.moments);
+        let loads = rows.map(|(row, moment)| MeasuredLoad {
+            time: row.time.unwrap_or(0.0),
+            load: settings.load(position, load_of(row), *moment),
+        });
+        (by, loads.collect())
+    }
+
+    /// The states of viscoelastic bodies: those of the whole history of the measured loads.
+    fn states_over_time(
+        &self,
+        settings: &Settings,
+        relaxation: &Relaxation,
+    ) -> Result<Vec<State>, FitError> {
+        /// Relative step of the level of the contact for its stiffness.
+        const STEP: f64 = 1e-3;
+        let (by, loads) = self.history(settings);
+        let largest = loads.iter().map(|load| load.load).fold(0.0, larger);
+        let (reach, compliance) = match by {
+            MeasuredBy::Force => (Reach::Force(largest), 0.0),
+            // A negative compliance moves the lens further than it was measured.
+            MeasuredBy::Position { compliance } => {
+                let more = larger(-compliance, 0.0) * self.largest_force();
+                (Reach::Indentation(largest + more), compliance)
+            }
+        };
+        let without = |load: &MeasuredLoad| State::without_contact(load.load);
+        if largest <= 0.0 {
+            return Ok(loads.iter().map(without).collect());
+        }
+        let curve = self
+            .curves
+            .of(&settings.case, reach, &self.single, &self.solved)?;
+        let elastic = &curve.elastic;
+        let history = measured_history(elastic, relaxation, by, &loads);
+        let history = history.ok_or(FitError::NoBalance {
+            compliance,
+            reading: largest + settings.contact_point,
+        })?;
+        let rows = self.data.rows().iter().zip(&self.moments).zip(&history);
+        let states = rows.map(|((row, moment), state)| {
+            let level = state.contact_indentation;
+            let depth = level - elastic.first_touch();
+            let radius = |level| elastic.contact_radius_at(level).unwrap_or(0.0);
+            let slope = |of: &dyn Fn(f64) -> f64| {
+                let [below, above] = [-STEP, STEP].map(|step| of(level + step * depth));
+                if depth > 0.0 {
+                    (above - below) / (2.0 * STEP * depth)
+                } else {
+                    0.0
+                }
+            };
+            // Of a fast change of the load.
+            let stiffness =
+                relaxation.instantaneous() * slope(&|level: f64| elastic.force_at(level));
+            let of_radius = slope(&radius);
+            let slopes = match by {
+                MeasuredBy::Force if stiffness > 0.0 => [0.0, of_radius / stiffness],
+                MeasuredBy::Force => [0.0; 2],
+                MeasuredBy::Position { compliance } => {
+                    [stiffness, of_radius].map(|slope| slope / (1.0 + compliance * stiffness))
+                }
+            };
+            State {
+                force: state.force,
+                read_force: state.force + settings.base_line(*moment, self.travel(row)),
+                slopes,
+                contact_radius: radius(level),
+                smooth_radius: radius(level),
+                past_transition: curve.through_floor.is_some_and(|floor| level > floor),
+                converged: curve.converged,
+                ..State::without_contact(state.indentation)
+            }
+        });
+        Ok(states.collect())
+    }
+
+    /// Estimated relative error of the forces of viscoelastic bodies, due to the interpolation of the elastic curve and to its contacts.
+    pub(super) fn error_over_time(&self, settings: &Settings) -> Result<f64, FitError> {
+        let (by, loads) = self.history(settings);
+        let largest = loads.iter().map(|load| load.load).fold(0.0, larger);
+        if largest <= 0.0 {
+            return Ok(0.0);
+        }
+        let reach = match by {
+            MeasuredBy::Force => Reach::Force(largest),
+            MeasuredBy::Position { .. } => Reach::Indentation(largest),
+        };
+        let curve = self
+            .curves
+            .of(&settings.case, reach, &self.single, &self.solved)?;
+        Ok(curve.elastic.error())
     }
 
     /// Whether the model has no state for any row, and the first reason.
@@ -1137,7 +1290,7 @@ impl<'a> Model<'a> {
     ) -> Result<Vec<Derivatives>, FitError> {
         let settings = self.settings(unknowns)?;
         let pillars = match &settings.case {
-            Subject::Pillars(case) if !self.is_adhesive => case,
+            Subject::Pillars(case) if !self.is_adhesive && !self.is_viscoelastic => case,
             _ => return self.derivatives_of_cycle(unknowns, states, stretch),
         };
         let by_key = ByKey::new(&self.file(unknowns), pillars)?;
@@ -1242,6 +1395,8 @@ impl<'a> Model<'a> {
                 }
                 Parameter::ForceSlope => ([unit * self.travel(row), 0.0], 0.0),
                 Parameter::MachineCompliance => ([0.0; 2], -unit * state.force * follow),
+                // Only states over time depend on them, whose derivatives are differences.
+                Parameter::RelaxationStrength(_) | Parameter::RelaxationTime(_) => ([0.0; 2], 0.0),
             };
             all.force.push(force + along[0] * moved);
             all.contact_radius.push(radius + along[1] * moved);
@@ -1296,7 +1451,7 @@ impl<'a> Model<'a> {
         Ok([force, radius])
     }
 
-    /// Derivatives by central differences of all states: of whole cycles, and on a flat surface.
+    /// Derivatives by central differences of all states: of whole cycles, of histories of viscoelastic bodies, and on a flat surface.
     fn derivatives_of_cycle(
         &self,
         unknowns: &[f64],
@@ -1403,6 +1558,48 @@ impl<'a> Model<'a> {
     }
 }
 
+/// The relaxation of a case for data that contain times.
+fn relaxation_over_time(
+    file: &CaseFile,
+    data: &Measurements,
+) -> Result<Option<Relaxation>, FitError> {
+    if !data.has_times() {
+        return Ok(None);
+    }
+    Ok(file.relaxation()?.map(|of| of.relaxation))
+}
+
+/// Checks that data contain the history of viscoelastic bodies: a load in every row, and times in order.
+fn check_history(data: &Measurements) -> Result<(), FitError> {
+    let wrong = |row: &Measurement, problem| FitError::History {
+        name: data.name().to_owned(),
+        line: row.line,
+        problem,
+    };
+    let mut before = f64::NEG_INFINITY;
+    for row in data.rows() {
+        let time = row.time.unwrap_or(before);
+        if time < before {
+            return Err(wrong(
+                row,
+                "the time is smaller than in the row before, and viscoelastic bodies depend on the order: sort the rows, or fit one test at a time",
+            ));
+        }
+        before = time;
+        let is_there = match data.position() {
+            Position::None => row.force.is_some(),
+            _ => row.position.is_some(),
+        };
+        if !is_there {
+            return Err(wrong(
+                row,
+                "there is no load, and viscoelastic bodies depend on all loads before: give it in every row",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// A load times a factor.
 fn scaled(load: Load, factor: f64) -> Load {
     load.map(|value| factor * value, |value| factor * value)
@@ -1493,7 +1690,7 @@ mod tests {
         ];
         let data = Measurements::new(&columns).unwrap();
         let mut free = Parameter::ALL.to_vec();
-        free.retain(|free| !free.is_work());
+        free.retain(|free| !free.is_work() && !free.is_of_relaxation());
         free.retain(|free| !matches!(free, Parameter::Key(Key::Offset | Key::OffsetAngle)));
         let options = FitOptions {
             contact_point: Some(0.1e-6),

@@ -1,7 +1,7 @@
 //! Parameters of a fit.
 
-use fakir_case::Key;
 use fakir_case::unit::Dimension;
+use fakir_case::{CaseError, CaseFile, Key};
 
 /// A parameter of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,11 +20,29 @@ pub enum Parameter {
     ForceDrift,
     /// Slope of the reading without any force over the displacement from the first row on, N/m: a tilted base line.
     ForceSlope,
+    /// Strength of a term of the relaxation, by its place in the case from 0.
+    RelaxationStrength(usize),
+    /// Relaxation time of a term, s, by its place in the case from 0.
+    RelaxationTime(usize),
 }
+
+/// Names of strengths and times, of as many terms as can be fitted.
+const STRENGTHS: [&str; 4] = [
+    "relaxation.strengths[0]",
+    "relaxation.strengths[1]",
+    "relaxation.strengths[2]",
+    "relaxation.strengths[3]",
+];
+const TIMES: [&str; 4] = [
+    "relaxation.times[0]",
+    "relaxation.times[1]",
+    "relaxation.times[2]",
+    "relaxation.times[3]",
+];
 
 impl Parameter {
     /// All parameters that can be fitted.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 26] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -43,10 +61,68 @@ impl Parameter {
         Self::DisplacementDrift,
         Self::ForceDrift,
         Self::ForceSlope,
+        Self::RelaxationStrength(0),
+        Self::RelaxationTime(0),
+        Self::RelaxationStrength(1),
+        Self::RelaxationTime(1),
+        Self::RelaxationStrength(2),
+        Self::RelaxationTime(2),
+        Self::RelaxationStrength(3),
+        Self::RelaxationTime(3),
     ];
 
+    /// The names of all parameters for messages, of the terms of a relaxation the first one only.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        let is_first = |it: &Self| it.term().is_none_or(|(_, place)| place == 0);
+        Self::ALL.into_iter().filter(is_first).map(Self::name)
+    }
+
+    /// The list of a parameter of the relaxation, and its place there.
+    fn term(self) -> Option<(Key, usize)> {
+        match self {
+            Self::RelaxationStrength(place) => Some((Key::RelaxationStrengths, place)),
+            Self::RelaxationTime(place) => Some((Key::RelaxationTimes, place)),
+            _ => None,
+        }
+    }
+
+    /// Whether it belongs to the relaxation of viscoelastic bodies.
+    #[must_use]
+    pub fn is_of_relaxation(self) -> bool {
+        self.term().is_some()
+    }
+
+    /// Whether it belongs to the case, and not to the instrument.
+    #[must_use]
+    pub fn is_of_case(self) -> bool {
+        matches!(self, Self::Key(_)) || self.is_of_relaxation()
+    }
+
+    /// Value of a parameter of the relaxation in a case, in SI units; `None` if it is not given there.
+    pub(super) fn of_relaxation(self, file: &CaseFile) -> Result<Option<f64>, CaseError> {
+        let Some((key, place)) = self.term() else {
+            return Ok(None);
+        };
+        Ok(file.relaxation_terms(key)?.get(place).copied())
+    }
+
+    /// Sets a parameter of the case to a value in SI units. Those of the instrument are not in the case.
+    pub(super) fn set(self, file: &mut CaseFile, value: f64) {
+        if let Self::Key(key) = self {
+            file.set_number(key, value);
+        }
+        if let Some((key, place)) = self.term() {
+            // An invalid list is reported when the case is read.
+            let mut values = file.relaxation_terms(key).unwrap_or_default();
+            if let Some(of) = values.get_mut(place) {
+                *of = value;
+                file.set_list(key, &values);
+            }
+        }
+    }
+
     /// Name: the key with its tables, `contact_point`, `machine_compliance`, `force_offset`,
-    /// `displacement_drift`, `force_drift` or `force_slope`.
+    /// `displacement_drift`, `force_drift` or `force_slope`, or `relaxation.times[0]` of a term of the relaxation.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -57,6 +133,11 @@ impl Parameter {
             Self::DisplacementDrift => "displacement_drift",
             Self::ForceDrift => "force_drift",
             Self::ForceSlope => "force_slope",
+            Self::RelaxationStrength(place) => STRENGTHS
+                .get(place)
+                .copied()
+                .unwrap_or("relaxation.strengths"),
+            Self::RelaxationTime(place) => TIMES.get(place).copied().unwrap_or("relaxation.times"),
         }
     }
 
@@ -75,7 +156,8 @@ impl Parameter {
         let name: &str = Key::at(name).map_or(name, |key| key.path());
         let is_named = |parameter: &Self| {
             let last = matches!(parameter, Self::Key(key) if key.name() == name);
-            last || parameter.name() == name
+            let of_term = parameter.name().strip_prefix("relaxation.") == Some(name);
+            last || of_term || parameter.name() == name
         };
         Self::ALL.into_iter().filter(is_named).collect()
     }
@@ -98,6 +180,8 @@ impl Parameter {
             Self::MachineCompliance => None,
             Self::ForceOffset | Self::ForceDrift => Some(Dimension::Force),
             Self::ForceSlope => Some(Dimension::Stiffness),
+            Self::RelaxationStrength(_) => Some(Dimension::Number),
+            Self::RelaxationTime(_) => Some(Dimension::Time),
         }
     }
 
@@ -140,7 +224,7 @@ impl Parameter {
     pub(super) fn is_positive(self) -> bool {
         match self {
             Self::Key(key) => key.is_positive() || self.is_work(),
-            _ => false,
+            _ => self.is_of_relaxation(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::{
     Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit,
-    Parameter, Position, Quantity, ReadColumn, RunsTest, Scatter, Skipped,
+    Parameter, Position, Quantity, RateTest, ReadColumn, RunsTest, Scatter, Skipped,
 };
 use fakir::state::Termination;
 use fakir_case::unit::format_quantity;
@@ -16,6 +16,9 @@ const WITH_FLOOR: &str = "the method spectral uses them, unless the case has flo
 
 /// The same with adhesion.
 const WITH_ADHESION: &str = "with adhesion the loading ends where the lens reaches the floor, and the unloading is that from there";
+
+/// Force of the first row, relative to the largest, from which the history before it matters.
+const EARLY: f64 = 0.05;
 
 /// A value of a parameter with its unit.
 fn value_words(parameter: Parameter, value: f64) -> String {
@@ -102,6 +105,29 @@ impl Fit {
             warnings.push(format!("the fit {}", self.termination.description()));
         }
         warnings.extend(self.misfit_statement());
+        warnings.extend(self.rate.as_ref().and_then(RateTest::statement));
+        if !self.is_viscoelastic && matches!(self.file.relaxation(), Ok(Some(_))) {
+            warnings.push(
+                "relaxation has no effect: the data contain no times, and the bodies of the fit are relaxed"
+                    .to_owned(),
+            );
+        }
+        if self.is_viscoelastic
+            && let Some(first) = self.rows.first().filter(|row| row.indentation > 0.0)
+            && let Some(force) = first.force
+            && let Some(largest) = self
+                .rows
+                .iter()
+                .filter_map(|row| row.force)
+                .map(|it| it.computed)
+                .reduce(f64::max)
+            && force.computed - self.force_offset > EARLY * (largest - self.force_offset)
+        {
+            warnings.push(
+                "the first row is in contact already: what was before is not in the data, and the load is taken to be applied there at once"
+                    .to_owned(),
+            );
+        }
         if self.misfit.is_chi_square_small() {
             warnings.push(
                 "chi-square is smaller than it should be: the errors that were given are too large"
@@ -260,6 +286,16 @@ struct TestsJson {
     runs: Vec<RunsJson>,
     chi_square_p_value: Option<f64>,
     left_out: Vec<Map<String, Value>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    rate: Option<RateJson>,
+}
+
+/// Test of whether the forces depend on the rate.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct RateJson {
+    p_value: f64,
+    relaxation_time_s: f64,
+    strength: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -274,7 +310,7 @@ struct RunsJson {
 }
 
 impl TestsJson {
-    fn new(misfit: &Misfit) -> Self {
+    fn new(misfit: &Misfit, rate: Option<RateTest>) -> Self {
         let runs = |test: &RunsTest| RunsJson {
             quantity: test.quantity.name(),
             branch: test.branch.name(),
@@ -304,6 +340,11 @@ impl TestsJson {
             runs: misfit.runs.iter().map(runs).collect(),
             chi_square_p_value: misfit.chi_square_p_value,
             left_out: misfit.left_out.iter().map(left_out).collect(),
+            rate: rate.map(|rate| RateJson {
+                p_value: rate.p_value,
+                relaxation_time_s: rate.time,
+                strength: rate.strength,
+            }),
         }
     }
 }
@@ -388,7 +429,7 @@ impl FitSummary {
             force_slope_N_per_m: fitted.force_slope,
             drift_over: if data.has_times() { "time" } else { "rows" },
             describes_data: fitted.misfit.describes_data(),
-            tests: TestsJson::new(&fitted.misfit),
+            tests: TestsJson::new(&fitted.misfit, fitted.rate),
             limits: LimitObject::all(fitted.limits.clone()),
             starts: fitted
                 .starts

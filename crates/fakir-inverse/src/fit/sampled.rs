@@ -143,12 +143,14 @@ pub(super) struct Sampled {
 }
 
 impl Sampled {
-    /// Whether the rows of a fit are interpolated if up to `direct` are not: not with adhesion, where a cycle already contains them.
+    /// Whether the rows of a fit are interpolated if up to `direct` are not: not with adhesion or over time, where a cycle or a history
+    /// already contains them.
     pub(super) fn suits(model: &Model<'_>, direct: usize) -> bool {
         let rows = model.data.rows();
         let by_force = model.data.position() == Position::None;
         rows.len() > direct
             && !model.is_adhesive
+            && !model.is_viscoelastic
             && !model.is_flat()
             && rows.iter().all(|row| row.position.is_some() != by_force)
             && rows.iter().all(|row| !by_force || row.force.is_some())

@@ -4,6 +4,7 @@ use super::error::FitError;
 use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load};
 use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
+use fakir_study::approach::Loadable;
 use fakir_study::result::cycle_warnings;
 
 /// A case that can be fitted.
@@ -20,6 +21,26 @@ impl Subject {
         } else {
             Self::Pillars(Box::new(file.case()?))
         })
+    }
+
+    /// Reduced modulus, Pa.
+    pub(super) fn reduced_modulus(&self) -> f64 {
+        match self {
+            Self::Pillars(case) => case.system.reduced_modulus(),
+            Self::Flat(case) => case.system.reduced_modulus(),
+        }
+    }
+
+    pub(super) fn has_pillars(&self) -> bool {
+        matches!(self, Self::Pillars(_))
+    }
+
+    /// Refuses histories of viscoelastic bodies that are not supported: those with adhesion.
+    pub(super) fn check_history(&self) -> Result<(), SolveError> {
+        match self {
+            Self::Pillars(case) => case.check_history(),
+            Self::Flat(case) => case.check_history(),
+        }
     }
 
     /// Name of the method in JSON.

@@ -9,3 +9,4 @@ mod fit;
 mod flat;
 mod heights;
 mod measurements;
+mod over_time;

@@ -137,6 +137,26 @@ impl ElasticCurve {
         }
     }
 
+    /// The curve of bodies whose moduli are all a factor larger: forces are larger by that factor at the same indentations.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let mut curve = self.clone();
+        for sample in &mut curve.samples {
+            sample.force *= factor;
+            sample.floor_force *= factor;
+        }
+        for row in &mut curve.force.rows {
+            row[1] += factor.ln();
+        }
+        for row in &mut curve.floor_force.rows {
+            row[1] *= factor;
+        }
+        for slope in &mut curve.floor_force.slopes {
+            *slope *= factor;
+        }
+        curve
+    }
+
     /// Indentation of first touch, m.
     #[must_use]
     pub fn first_touch(&self) -> f64 {

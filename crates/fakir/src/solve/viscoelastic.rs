@@ -39,6 +39,26 @@ const FIRST_STEP: f64 = 0.1;
 /// Error of linear interpolation at which a level is left out.
 const LEFT_OUT: f64 = 1e-7;
 
+/// The same for measured loads.
+const LEFT_OUT_OF_MEASURED: f64 = 1e-5;
+
+/// A contact under measured loads recedes if it is smaller than the largest one by this part of the range of the loads; smaller reversals are
+/// noise. Superposition is continued over these, with a relative error of the force of the order of the square.
+const REVERSAL: f64 = 0.02;
+
+/// Steps that determine the levels with which the time steps of measured loads begin, and the largest number of measured ones among them.
+const STEPS_OF_MEASURED: usize = 24;
+const MEASURED_LEVELS: usize = 60;
+
+/// Largest change of a measured position in a time step, relative to the range, and longest time step, relative to the shortest relaxation time;
+/// and the largest number of steps between two measured loads.
+const LONGEST_CHANGE: f64 = 0.02;
+const LONGEST_STEP: f64 = 0.5;
+const MOST_PARTS_OF_STEP: f64 = 8.0;
+
+/// Times that a bracket of the indentation is widened.
+const WIDENINGS: usize = 60;
+
 /// Computes the contact over time from the elastic curve at the relaxed modulus. `critical` is the indentation at which the lens reaches the
 /// floor, m, if there is a floor.
 #[must_use]
@@ -62,6 +82,40 @@ pub fn history(
         }
         coarse = fine;
     }
+}
+
+/// A load measured at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredLoad {
+    /// Time, s.
+    pub time: f64,
+    /// The force, N, or the position of the machine from which the indentation follows, m.
+    pub load: f64,
+}
+
+/// What was measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeasuredBy {
+    /// The force.
+    Force,
+    /// A position, which is the indentation plus this compliance (m/N) times the force.
+    Position {
+        /// Compliance, m/N.
+        compliance: f64,
+    },
+}
+
+/// Computes the states at measured loads, in the order of their times: the indentation, or the force, is linear in time between them. Before the
+/// first load there is no contact; a first load in contact is reached in a step. By superposition until the contact recedes by more than noise, by
+/// time steps from the largest contact on. `None` if no indentation belongs to a position, as the compliance is negative.
+#[must_use]
+pub fn measured_history(
+    curve: &ElasticCurve,
+    relaxation: &Relaxation,
+    by: MeasuredBy,
+    loads: &[MeasuredLoad],
+) -> Option<Vec<HistoryState>> {
+    Body::new(curve, relaxation, None).measured(by, loads)
 }
 
 /// The same by time steps alone, of which there are `steps` in every segment. For comparisons.
@@ -126,6 +180,27 @@ struct Part {
     force: Option<([f64; 2], Vec<f64>)>,
 }
 
+/// What a state must fulfil.
+#[derive(Debug, Clone, Copy)]
+enum Target {
+    /// A force, N.
+    Force(f64),
+    /// An indentation plus a compliance (m/N) times the force, m.
+    Position { value: f64, compliance: f64 },
+}
+
+impl Target {
+    fn of(prescribed: Prescribed, value: f64) -> Self {
+        match prescribed {
+            Prescribed::Force => Self::Force(value),
+            Prescribed::Indentation => Self::Position {
+                value,
+                compliance: 0.0,
+            },
+        }
+    }
+}
+
 impl<'a> Body<'a> {
     fn new(curve: &'a ElasticCurve, relaxation: &Relaxation, critical: Option<f64>) -> Self {
         let (terms, creep) = (relaxation.distinct(), relaxation.creep());
@@ -153,14 +228,8 @@ impl<'a> Body<'a> {
 
     /// The states at the ends of `steps` steps in every segment.
     fn solved(&self, protocol: &Protocol, steps: usize, superpose: bool) -> Solved {
-        let mut growing = Growing {
-            time: 0.0,
-            force: 0.0,
-            indentation: self.curve.first_touch(),
-            memory: [0, 1].map(|_| vec![0.0; self.terms.len()]),
-            parts: Vec::new(),
-        };
-        let mut bed = (!superpose).then(|| Bed::new(self, &growing, steps));
+        let mut growing = self.untouched(0.0);
+        let mut bed = (!superpose).then(|| Bed::new(self, &growing, steps, usize::MAX));
         let mut solved = Solved {
             states: vec![self.state_of(&growing)],
             events: Vec::new(),
@@ -207,13 +276,14 @@ impl<'a> Body<'a> {
                                         solved.push_grown(self, &growing);
                                     }
                                 }
-                                bed.insert(Bed::new(self, &growing, steps))
+                                bed.insert(Bed::new(self, &growing, steps, usize::MAX))
                             }
                         }
                     }
                 };
-                bed.step(self, segment.prescribed, ends[1], values[1]);
-                solved.push(bed.state(self, segment.prescribed, values[1]), self);
+                let target = Target::of(segment.prescribed, values[1]);
+                bed.step(self, target, ends[1]);
+                solved.push(bed.state(self, target), self);
             }
             time += segment.duration;
         }
@@ -303,9 +373,16 @@ impl<'a> Body<'a> {
                 }
             }
         };
+        self.extend(growing, part, values[1]);
+        None
+    }
+
+    /// The memories at the end of a part that follows a growing contact.
+    fn memory_after(&self, growing: &Growing, part: &Part) -> [Vec<f64>; 2] {
+        let times = part.times;
         let width = times[1] - times[0];
+        let mut memory = growing.memory.clone();
         if width > 0.0 {
-            let mut memory = growing.memory.clone();
             for (place, term) in self.terms.iter().enumerate() {
                 let decay = (-width / term.time).exp();
                 for of in &mut memory {
@@ -313,7 +390,7 @@ impl<'a> Body<'a> {
                 }
             }
             for (time, weight) in self.nodes(times) {
-                let level = self.level_of(&part, time);
+                let level = self.level_of(part, time);
                 let forces = [
                     match &part.force {
                         Some((values, memory)) => {
@@ -335,21 +412,177 @@ impl<'a> Body<'a> {
                 let after = self.memory_of_force(times, *values, before, times[1]);
                 memory[0] = self.transformed(&self.to_strain, &after);
             }
-            growing.memory = memory;
         }
-        growing.indentation = match prescribed {
-            Prescribed::Indentation => values[1],
-            Prescribed::Force => part.levels[1],
-        };
-        growing.time = times[1];
-        growing.force = match prescribed {
-            Prescribed::Force => values[1],
-            Prescribed::Indentation => {
-                self.stress(self.curve.force_at(growing.indentation), &growing.memory[0])
-            }
-        };
+        memory
+    }
+
+    /// Continues a growing contact by a part that ends at a value of what is prescribed.
+    fn extend(&self, growing: &mut Growing, part: Part, value: f64) {
+        growing.memory = self.memory_after(growing, &part);
+        growing.time = part.times[1];
+        if part.force.is_some() {
+            growing.indentation = part.levels[1];
+            growing.force = value;
+        } else {
+            growing.indentation = value;
+            growing.force = self.stress(self.curve.force_at(value), &growing.memory[0]);
+        }
         growing.parts.push(part);
-        None
+    }
+
+    /// The states at measured loads.
+    fn measured(&self, by: MeasuredBy, loads: &[MeasuredLoad]) -> Option<Vec<HistoryState>> {
+        let first = self.curve.first_touch();
+        let level = |load: &MeasuredLoad| match by {
+            MeasuredBy::Force => self
+                .curve
+                .indentation_at(load.load * self.creep.instantaneous()),
+            MeasuredBy::Position { .. } => load.load,
+        };
+        let range = loads.iter().map(level).fold(first, f64::max) - first;
+        let mut growing = self.untouched(loads.first().map_or(0.0, |load| load.time));
+        // The largest contact: the number of its load, and the number of parts up to it.
+        let mut largest = (0, growing.clone(), 0);
+        let mut states: Vec<HistoryState> = Vec::with_capacity(loads.len());
+        let mut bed: Option<Bed> = None;
+        let target = |load: &MeasuredLoad| match by {
+            MeasuredBy::Force => Target::Force(load.load.max(0.0)),
+            MeasuredBy::Position { compliance } => Target::Position {
+                value: load.load,
+                compliance,
+            },
+        };
+        for (number, load) in loads.iter().enumerate() {
+            if bed.is_none() {
+                let part = self.measured_part(&growing, target(load), load.time)?;
+                if number == 0 || part.0.levels[1] > largest.1.indentation - REVERSAL * range {
+                    self.extend(&mut growing, part.0, part.1);
+                    states.push(self.state_of(&growing));
+                    if number == 0 || growing.indentation >= largest.1.indentation {
+                        let parts = std::mem::take(&mut growing.parts);
+                        largest = (number, growing.clone(), parts.len());
+                        growing.parts = parts;
+                    }
+                    continue;
+                }
+                // From the largest contact on.
+                let (_, mut at_largest, count) = largest.clone();
+                growing.parts.truncate(count);
+                at_largest.parts = std::mem::take(&mut growing.parts);
+                states.truncate(largest.0 + 1);
+                let mut fresh = Bed::new(self, &at_largest, STEPS_OF_MEASURED, MEASURED_LEVELS);
+                fresh.left_out = LEFT_OUT_OF_MEASURED;
+                fresh.crowded = 2 * fresh.levels.len();
+                for number in largest.0 + 1..number {
+                    self.step_to(&mut fresh, &loads[number - 1..=number], range, &target);
+                    states.push(fresh.state(self, target(&loads[number])));
+                }
+                bed = Some(fresh);
+            }
+            if let Some(bed) = &mut bed {
+                self.step_to(bed, &loads[number - 1..=number], range, &target);
+                states.push(bed.state(self, target(load)));
+            }
+        }
+        Some(states)
+    }
+
+    /// Time steps from a measured load to the next one, short enough for the change of the load and of the memories.
+    fn step_to(
+        &self,
+        bed: &mut Bed,
+        loads: &[MeasuredLoad],
+        range: f64,
+        target: &dyn Fn(&MeasuredLoad) -> Target,
+    ) {
+        let [Some(from), Some(to)] = [loads.first(), loads.last()] else {
+            return;
+        };
+        let change = (to.load - from.load).abs() / (LONGEST_CHANGE * range);
+        let duration = to.time - from.time;
+        let of_time = duration / (LONGEST_STEP * self.shortest);
+        let is_position = matches!(target(to), Target::Position { .. });
+        let wanted = if is_position {
+            change.max(of_time)
+        } else {
+            of_time
+        };
+        let count = wanted.clamp(1.0, MOST_PARTS_OF_STEP).ceil() as usize;
+        for k in 1..=count {
+            let part = k as f64 / count as f64;
+            let load = MeasuredLoad {
+                time: from.time + part * duration,
+                load: from.load + part * (to.load - from.load),
+            };
+            bed.step(self, target(if k == count { to } else { &load }), load.time);
+        }
+    }
+
+    /// A contact before first touch.
+    fn untouched(&self, time: f64) -> Growing {
+        Growing {
+            time,
+            force: 0.0,
+            indentation: self.curve.first_touch(),
+            memory: [0, 1].map(|_| vec![0.0; self.terms.len()]),
+            parts: Vec::new(),
+        }
+    }
+
+    /// The part from a growing contact to a measured load at a time, and the value that it ends at.
+    fn measured_part(&self, growing: &Growing, target: Target, time: f64) -> Option<(Part, f64)> {
+        let times = [growing.time, time.max(growing.time)];
+        let to = |level: f64| Part {
+            times,
+            levels: [growing.indentation, level],
+            force: None,
+        };
+        match target {
+            Target::Force(force) => {
+                let memory = self.transformed(&self.to_stress, &growing.memory[0]);
+                let values = [growing.force, force];
+                let end = self.strain_of_force(times, values, &memory, times[1]);
+                let part = Part {
+                    levels: [growing.indentation, self.curve.indentation_at(end)],
+                    force: Some((values, memory)),
+                    times,
+                };
+                Some((part, force))
+            }
+            Target::Position { value, compliance } => {
+                let free = value <= self.curve.first_touch() && growing.force.abs() <= 0.0;
+                if compliance.abs() <= 0.0 || free {
+                    return Some((to(value), value));
+                }
+                let off = |level: f64| {
+                    let memory = self.memory_after(growing, &to(level));
+                    let force = self.stress(self.curve.force_at(level), &memory[0]);
+                    level + compliance * force - value
+                };
+                let guess = value - compliance * growing.force;
+                let mut reach = (guess - growing.indentation)
+                    .abs()
+                    .max(1e-3 * (value - self.curve.first_touch()).abs());
+                let end = |position: f64| Point {
+                    position,
+                    value: off(position),
+                };
+                let mut ends = [end(guess - reach), end(guess + reach)];
+                for _ in 0..WIDENINGS {
+                    reach *= 2.0;
+                    if ends[0].value > 0.0 {
+                        ends[0] = end(guess - reach);
+                    } else if ends[1].value < 0.0 {
+                        ends[1] = end(guess + reach);
+                    } else {
+                        break;
+                    }
+                }
+                let found = roots::find(ends, ROUNDING, |level| Ok::<_, ()>(off(level)));
+                let level = found.ok().flatten()?.closest().position;
+                Some((to(level), level))
+            }
+        }
     }
 
     /// Nodes and weights of the quadrature over a step.
@@ -785,20 +1018,29 @@ struct Bed {
     is_off: bool,
     /// Number of levels from which those that can be interpolated are left out.
     crowded: usize,
+    /// Error of this interpolation.
+    left_out: f64,
 }
 
 impl Bed {
-    /// The levels of a contact that has only grown.
-    fn new(body: &Body<'_>, growing: &Growing, steps: usize) -> Self {
+    /// The levels of a contact that has only grown, among them up to a number of those at which its parts ended.
+    fn new(body: &Body<'_>, growing: &Growing, steps: usize, most_of_parts: usize) -> Self {
         let first = body.curve.first_touch();
         let front = growing.indentation.max(first);
         let count = LEVELS_PER_STEP * steps;
+        let every = growing.parts.len().div_ceil(most_of_parts).max(1);
         let mut levels: Vec<f64> = (0..=count)
             .map(|k| {
                 let angle = std::f64::consts::PI * k as f64 / count as f64;
                 first + (front - first) * 0.5 * (1.0 - angle.cos())
             })
-            .chain(growing.parts.iter().map(|part| part.levels[1]))
+            .chain(
+                growing
+                    .parts
+                    .iter()
+                    .step_by(every)
+                    .map(|part| part.levels[1]),
+            )
             .chain(body.critical)
             .chain(body.curve.samples().iter().map(|it| it.indentation))
             .filter(|level| *level >= first && *level < front)
@@ -825,6 +1067,7 @@ impl Bed {
             inside,
             is_off: growing.indentation < first,
             crowded: 3 * inside + 400,
+            left_out: LEFT_OUT,
         };
         // Beyond the front nothing was touched.
         bed.levels.push(front);
@@ -836,30 +1079,36 @@ impl Bed {
         self.levels[self.inside]
     }
 
-    /// Continues to a time, at which a quantity has a value.
-    fn step(&mut self, body: &Body<'_>, prescribed: Prescribed, time: f64, value: f64) {
+    /// Continues to a time, at which the target is met.
+    fn step(&mut self, body: &Body<'_>, target: Target, time: f64) {
         let first = body.curve.first_touch();
         let moved = Moved::new(self, body, time - self.time);
         let off = |front: f64| {
             let evolved = moved.with_front(front);
-            match prescribed {
-                Prescribed::Force => {
-                    evolved.force(body, &|level| body.curve.force_at(level)) - value
+            let force = || evolved.force(body, &|level| body.curve.force_at(level));
+            match target {
+                Target::Force(value) => force() - value,
+                Target::Position { value, compliance } => {
+                    let of_machine = if compliance.abs() > 0.0 {
+                        compliance * force()
+                    } else {
+                        0.0
+                    };
+                    evolved.indentation(body) + of_machine - value
                 }
-                Prescribed::Indentation => evolved.indentation(body) - value,
             }
         };
         let at_first = off(first);
-        let off_at_first = match prescribed {
-            Prescribed::Force => value <= 0.0,
-            Prescribed::Indentation => at_first >= 0.0,
+        let off_at_first = match target {
+            Target::Force(value) => value <= 0.0,
+            Target::Position { .. } => at_first >= 0.0,
         };
         let front = if off_at_first {
             first
         } else {
-            let mut high = match prescribed {
-                Prescribed::Indentation => value,
-                Prescribed::Force => self.front().max(first + 1e-3 * (body.curve.last() - first)),
+            let mut high = match target {
+                Target::Position { value, .. } => value,
+                Target::Force(_) => self.front().max(first + 1e-3 * (body.curve.last() - first)),
             };
             let mut at_high = off(high);
             while at_high < 0.0 && high.is_finite() {
@@ -893,17 +1142,17 @@ impl Bed {
         }
     }
 
-    fn state(&self, body: &Body<'_>, prescribed: Prescribed, value: f64) -> HistoryState {
+    fn state(&self, body: &Body<'_>, target: Target) -> HistoryState {
         let evolved = Evolved {
             levels: self.levels.clone(),
             memories: self.memories.clone(),
             inside: self.inside,
         };
         let curve = body.curve;
-        let force = match prescribed {
+        let force = match target {
             _ if self.is_off => 0.0,
-            Prescribed::Force => value,
-            Prescribed::Indentation => evolved.force(body, &|level| curve.force_at(level)),
+            Target::Force(value) => value,
+            Target::Position { .. } => evolved.force(body, &|level| curve.force_at(level)),
         };
         let floor_force = match body.critical {
             Some(critical) if self.front() > critical && !self.is_off => {
@@ -914,9 +1163,9 @@ impl Bed {
         HistoryState {
             time: self.time,
             force,
-            indentation: match prescribed {
-                Prescribed::Indentation => value,
-                Prescribed::Force => evolved.indentation(body),
+            indentation: match target {
+                Target::Position { value, compliance } => value - compliance * force,
+                Target::Force(_) => evolved.indentation(body),
             },
             contact_indentation: self.front(),
             floor_force: floor_force.max(0.0),
@@ -941,7 +1190,7 @@ impl Bed {
             };
             // The force is interpolated between levels too.
             let is_narrow = high - low < 0.02 * (self.levels[count - 1] - self.levels[0]);
-            if can_go && is_narrow && (0..body.terms.len()).all(|k| off(k) < LEFT_OUT) {
+            if can_go && is_narrow && (0..body.terms.len()).all(|k| off(k) < self.left_out) {
                 keep[place] = false;
             } else {
                 before = place;

@@ -7,7 +7,9 @@ use fakir::problem::{
     ProtocolSegment, Relaxation, System,
 };
 use fakir::solve::elastic_curve::ElasticCurve;
-use fakir::solve::viscoelastic::{history, history_by_steps};
+use fakir::solve::viscoelastic::{
+    MeasuredBy, MeasuredLoad, history, history_by_steps, measured_history,
+};
 use fakir::state::{
     Approximation, Contact, ElasticSample, History, HistoryEventKind, HistoryState, Run,
 };
@@ -498,4 +500,143 @@ fn relaxation_on_a_flat_surface() {
         assert!((state.force / expected - 1.0).abs() < 1e-6);
     }
     assert!((last(&found).force / relaxed - relaxation.at(100.0)).abs() < 1e-9);
+}
+
+/// A course of indentations as it is measured: in steps of equal durations.
+fn readings(course: &[[f64; 2]], of: impl Fn(f64) -> f64) -> Vec<MeasuredLoad> {
+    let mut readings = vec![MeasuredLoad {
+        time: 0.0,
+        load: of(0.0),
+    }];
+    let (mut time, mut from) = (0.0, 0.0);
+    for [to, duration] in course {
+        for k in 1..=60 {
+            let part = f64::from(k) / 60.0;
+            readings.push(MeasuredLoad {
+                time: time + part * duration,
+                load: of(from + part * (to - from)),
+            });
+        }
+        (time, from) = (time + duration, *to);
+    }
+    readings
+}
+
+/// The states of measured indentations are those of the protocol: exact while the contact grows, and within the errors of the time steps on
+/// unloading. With a compliance of the machine, the positions of these states give them again.
+#[test]
+fn measured_loads_are_those_of_a_protocol() {
+    let (curve, relaxation) = (power_law(1.5), several());
+    let course = [[1.5, 10.0], [1.5, 30.0], [0.5, 8.0], [0.5, 20.0]];
+    let exact = history(&curve, &relaxation, &indented(&course), None);
+    let rigid = MeasuredBy::Position { compliance: 0.0 };
+    let loads = readings(&course, |zeta| zeta);
+    let found = measured_history(&curve, &relaxation, rigid, &loads).unwrap();
+    assert_eq!(found.len(), loads.len());
+    let at = |time: f64| {
+        let place = exact.states.partition_point(|state| state.time < time);
+        let [before, after] = [place.max(1) - 1, place].map(|k| &exact.states[k]);
+        let width = (after.time - before.time).max(f64::MIN_POSITIVE);
+        before.force + (time - before.time) / width * (after.force - before.force)
+    };
+    let largest = exact.states.iter().map(|it| it.force).fold(0.0, f64::max);
+    for state in &found[1..] {
+        let off = (state.force - at(state.time)).abs() / largest;
+        let tolerance = match state.by {
+            Approximation::Superposition => 2e-4, // the interpolation in this test
+            Approximation::Steps => 2e-3,
+        };
+        assert!(off < tolerance, "{} {off:e}", state.time);
+    }
+    assert!(found.iter().any(|state| state.by == Approximation::Steps));
+    // On the ramp exactly, by the hereditary integral of Lee and Radok.
+    let speed: f64 = 0.15;
+    for state in &found[1..60] {
+        let t = state.time;
+        let expected = integral(0.0, t.sqrt(), |u| {
+            relaxation.at(t - u * u) * 1.5 * STIFFNESS * speed.powf(1.5) * 2.0 * u * u
+        });
+        assert!((state.force / expected - 1.0).abs() < 1e-6, "{t}");
+    }
+    let compliance = 0.3;
+    let positions: Vec<MeasuredLoad> = found
+        .iter()
+        .map(|state| MeasuredLoad {
+            time: state.time,
+            load: state.indentation + compliance * state.force,
+        })
+        .collect();
+    let by = MeasuredBy::Position { compliance };
+    let soft = measured_history(&curve, &relaxation, by, &positions).unwrap();
+    for (one, other) in found.iter().zip(&soft) {
+        let off = (one.force - other.force).abs() / largest;
+        let tolerance = match one.by {
+            Approximation::Superposition => 1e-9,
+            Approximation::Steps => 1e-3,
+        };
+        assert!(off < tolerance, "{} {off:e}", one.time);
+    }
+    // A ramp and a hold of the force: at the ends of both, the indentations of the protocol.
+    let held = [
+        ramp(Prescribed::Force, 2.0, 10.0),
+        ramp(Prescribed::Force, 2.0, 30.0),
+    ];
+    let exact = history(
+        &curve,
+        &relaxation,
+        &Protocol::new(held.to_vec()).unwrap(),
+        None,
+    );
+    let forces = readings(&[[2.0, 10.0], [2.0, 30.0]], |force| force);
+    let found = measured_history(&curve, &relaxation, MeasuredBy::Force, &forces).unwrap();
+    for time in [10.0, 40.0] {
+        let at = |states: &[HistoryState]| {
+            let mut states = states.iter();
+            states
+                .find(|it| (it.time - time).abs() < 1e-9)
+                .unwrap()
+                .indentation
+        };
+        assert!(
+            (at(&found) / at(&exact.states) - 1.0).abs() < 1e-9,
+            "{time}"
+        );
+    }
+}
+
+/// Noise of the position that is small beside the range is superposed: the force differs by the stiffness times the noise.
+#[test]
+fn noise_is_no_unloading() {
+    let (curve, relaxation) = (power_law(1.5), several());
+    let loads = readings(&[[1.5, 10.0], [1.5, 30.0]], |zeta| zeta);
+    let noise = |k: usize| 2e-3 * (1.7 * k as f64).sin();
+    let noisy: Vec<MeasuredLoad> = loads
+        .iter()
+        .enumerate()
+        .map(|(k, load)| MeasuredLoad {
+            load: load.load + noise(k),
+            ..*load
+        })
+        .collect();
+    let rigid = MeasuredBy::Position { compliance: 0.0 };
+    let [smooth, rough] =
+        [&loads, &noisy].map(|loads| measured_history(&curve, &relaxation, rigid, loads).unwrap());
+    let stiffness = 1.5 * STIFFNESS * 1.5f64.sqrt() * relaxation.instantaneous();
+    for (one, other) in smooth.iter().zip(&rough) {
+        assert_eq!(other.by, Approximation::Superposition);
+        assert!((one.force - other.force).abs() < 1.1 * stiffness * 4e-3);
+    }
+}
+
+/// All moduli times a factor are all forces times that factor, at the same indentations.
+#[test]
+fn a_scaled_curve_is_that_of_scaled_moduli() {
+    let curve = power_law(1.5);
+    let scaled = curve.scaled(3.0);
+    for zeta in [1e-3, 0.3, 1.0, 1.9, 2.5] {
+        let ratio = scaled.force_at(zeta) / curve.force_at(zeta);
+        assert!((ratio / 3.0 - 1.0).abs() < 1e-13, "{zeta} {ratio}");
+        let back = scaled.indentation_at(3.0 * curve.force_at(zeta));
+        assert!((back / zeta - 1.0).abs() < 1e-12);
+    }
 }
