@@ -153,7 +153,7 @@ def sweep(
     study
         A study file, its text, or a dictionary of its tables, in which a `System`, or a `fakir.bem.Surface` of a case file, can
         be the case: ``{"system": system, "axes": {"surface_fraction": [0.01, 0.1]}}``. Critical states are computed unless
-        ``"study": {"question": "press"}``, ``"cycle"`` or ``"collapse"`` is given.
+        ``"study": {"question": "press"}``, ``"cycle"``, ``"collapse"`` or ``"hold"`` is given.
     executor
         Executor of the cases: any executor of ``concurrent.futures`` (threads, processes, ``mpi4py.futures``) or of Dask
         (``client.get_executor()``). A function that creates one, such as ``functools.partial(ProcessPoolExecutor, 4)``, is called

@@ -121,6 +121,7 @@ impl Topic {
         });
         let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
         let layers = study.has_layers().then_some(Self::Layers);
+        let viscoelastic = (study.asked() == Asked::Hold).then_some(Self::Viscoelastic);
         let of_kind = match study.surface_kind() {
             SurfaceKind::Asperities => Some(Self::Asperities),
             SurfaceKind::Flat => Some(Self::Flat),
@@ -130,6 +131,7 @@ impl Topic {
             .chain(adhesion)
             .chain(floor)
             .chain(layers)
+            .chain(viscoelastic)
             .chain(of_kind)
             .chain(surfaces)
             .chain(study.interactions().iter().copied().map(Self::Interaction))

@@ -53,7 +53,7 @@ pub fn of_study(study: &Study, rows: &[Row]) -> Option<Figure> {
             let curves = curves.map(|(label, points)| CriticalStateCurve { label, points });
             Some(critical_states(&axis, &curves.collect::<Vec<_>>()))
         }
-        Asked::Press | Asked::Collapse => None,
+        Asked::Press | Asked::Collapse | Asked::Hold => None,
     }
 }
 
@@ -164,6 +164,8 @@ fn figure_axis(variable: Variable, values: &[f64]) -> (FigureAxis, f64) {
         },
         Variable::Indentation => "indentation at the turn *ζ*".to_owned(),
         Variable::Force => "force at the turn *F*".to_owned(),
+        Variable::RampTime => "duration of the ramp".to_owned(),
+        Variable::HoldTime => "duration of the hold".to_owned(),
     };
     let label = match unit {
         Some(unit) => format!("{name} ({})", printed(unit.symbol)),
@@ -185,6 +187,8 @@ fn setting(variable: Variable, value: &Coordinate) -> String {
         Variable::Key(key) => key.symbol().map_or_else(|| key.label(), markup),
         Variable::Indentation => "*ζ*".to_owned(),
         Variable::Force => "*F*".to_owned(),
+        Variable::RampTime => "ramp".to_owned(),
+        Variable::HoldTime => "hold".to_owned(),
     };
     let value = match value {
         Coordinate::Word(word) => return word.replace('_', " "),

@@ -68,6 +68,7 @@ impl Provenance {
             Asked::Press => "contact under a load",
             Asked::Cycle => "loading and unloading with adhesion",
             Asked::Collapse => "collapse of an adhesive floor",
+            Asked::Hold => "hold of viscoelastic bodies",
         };
         Self::new(
             format!("{asked}, {} cases", study.cases()),

@@ -3,6 +3,7 @@
 use crate::answer::{AnswerError, Details, Request, Running, answer};
 use crate::collapsed::collapse;
 use crate::error::StudyError;
+use crate::history::{HistoryCourse, HistoryPlan};
 use crate::plan::{Costed, Plan, Shard, longest_first};
 use crate::row::{Row, RowAnswer};
 use fakir::state::{CancelToken, Run, SolveError, Termination, Threads};
@@ -253,6 +254,20 @@ impl<'a> SharedSweep<'a> {
                 let problem = (termination != Termination::Converged)
                     .then(|| termination.description().to_owned());
                 return Ok((Some(RowAnswer::Collapse(Box::new(collapsed))), problem));
+            }
+            (Question::Hold(hold), _) => {
+                let Some(relaxation) = case.relaxation.clone() else {
+                    unreachable!("studies of holds refuse elastic bodies")
+                };
+                Request::History(HistoryPlan {
+                    relaxation,
+                    course: HistoryCourse::Hold {
+                        load: hold.load,
+                        ramp: hold.ramp_time,
+                        duration: hold.hold_time,
+                        back: false,
+                    },
+                })
             }
             (Question::Collapse, None) => {
                 unreachable!("studies refuse adhesion on other surfaces")

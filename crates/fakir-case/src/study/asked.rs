@@ -15,6 +15,8 @@ pub enum Asked {
     Cycle,
     /// Collapse and detachment of an adhesive floor, by the fast model of a collapsed floor and by closed forms.
     Collapse,
+    /// A load that is reached in a time and held, on viscoelastic bodies.
+    Hold,
 }
 
 impl Words for Asked {
@@ -23,11 +25,12 @@ impl Words for Asked {
         ("press", Self::Press),
         ("cycle", Self::Cycle),
         ("collapse", Self::Collapse),
+        ("hold", Self::Hold),
     ];
 }
 
 impl Asked {
-    /// `"transition"`, `"press"`, `"cycle"` or `"collapse"`.
+    /// `"transition"`, `"press"`, `"cycle"`, `"collapse"` or `"hold"`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.word()
@@ -58,4 +61,17 @@ pub enum Question {
     Cycle(CyclePlan),
     /// Collapse and detachment of an adhesive floor.
     Collapse,
+    /// The contact of viscoelastic bodies under a load that is reached in a time and held.
+    Hold(Hold),
+}
+
+/// A load that is reached in a time and held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hold {
+    /// The load.
+    pub load: Load,
+    /// Duration of the ramp to it, s; 0 for a step.
+    pub ramp_time: f64,
+    /// Duration of the hold, s.
+    pub hold_time: f64,
 }

@@ -10,7 +10,7 @@ use strsim::levenshtein;
 /// The value of a variable in a case.
 pub use crate::key::Setting as Coordinate;
 
-/// Variable of an axis of a study: a key of the case, or the load.
+/// Variable of an axis of a study: a key of the case, the load, or a time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variable {
     /// A key of the case.
@@ -19,9 +19,21 @@ pub enum Variable {
     Indentation,
     /// The prescribed force, N.
     Force,
+    /// Time in which viscoelastic bodies are loaded, s.
+    RampTime,
+    /// Time for which the load is then held, s.
+    HoldTime,
 }
 
 impl Variable {
+    /// The variables that are no keys: loads and times.
+    pub(crate) const PRESCRIBED: [Self; 4] = [
+        Self::Indentation,
+        Self::Force,
+        Self::RampTime,
+        Self::HoldTime,
+    ];
+
     /// Name in a study: `"pattern.surface_fraction"`, `"indentation"`.
     #[must_use]
     pub fn path(self) -> &'static str {
@@ -29,6 +41,8 @@ impl Variable {
             Self::Key(key) => key.path(),
             Self::Indentation => "indentation",
             Self::Force => "force",
+            Self::RampTime => "ramp_time",
+            Self::HoldTime => "hold_time",
         }
     }
 
@@ -56,6 +70,7 @@ impl Variable {
             },
             Self::Indentation => Some(Dimension::Length),
             Self::Force => Some(Dimension::Force),
+            Self::RampTime | Self::HoldTime => Some(Dimension::Time),
         }
     }
 
@@ -68,7 +83,11 @@ impl Variable {
     }
 
     pub(crate) fn is_load(self) -> bool {
-        !matches!(self, Self::Key(_))
+        matches!(self, Self::Indentation | Self::Force)
+    }
+
+    pub(crate) fn is_key(self) -> bool {
+        matches!(self, Self::Key(_))
     }
 
     /// The variable that it excludes.
@@ -77,6 +96,7 @@ impl Variable {
             Self::Key(key) => key.alternative().map(Self::Key),
             Self::Indentation => Some(Self::Force),
             Self::Force => Some(Self::Indentation),
+            Self::RampTime | Self::HoldTime => None,
         }
     }
 
@@ -95,7 +115,7 @@ impl Variable {
     fn all(surface: bool) -> impl Iterator<Item = Self> {
         let keys = Key::ALL.into_iter();
         let keys = keys.filter(move |key| key.is_of_bodies() || key.is_of_surface() == surface);
-        keys.map(Self::Key).chain([Self::Indentation, Self::Force])
+        keys.map(Self::Key).chain(Self::PRESCRIBED)
     }
 
     /// Returns the variable with that path or last name.

@@ -1,6 +1,6 @@
 //! A study file: a case, and the axes along which it is varied.
 
-use super::asked::{Asked, Combine, Question};
+use super::asked::{Asked, Combine, Hold, Question};
 use super::axis::{Axis, Coordinate, Values, Variable};
 use super::posed::looked_at;
 use crate::any_case::AnyCase;
@@ -10,7 +10,7 @@ use crate::file::{CaseFile, quantity};
 use crate::idle::{IDLE, Idle, without_effect_words};
 use crate::key::{Key, root};
 use crate::unit::format_quantity;
-use fakir::problem::{CyclePlan, Load, LoadingMode};
+use fakir::problem::{CyclePlan, Load, LoadingMode, Relaxation};
 
 /// Largest number of cases of a study.
 pub const MAXIMUM_CASES: usize = 10_000_000;
@@ -24,6 +24,9 @@ pub struct StudyFile {
     pub(super) combine: Combine,
     pub(super) load: Option<FixedLoad>,
     pub(super) drive: LoadingMode,
+    /// Durations of the ramp and of the hold, s, that are the same in every case.
+    pub(super) ramp_time: Option<(f64, Place)>,
+    pub(super) hold_time: Option<(f64, Place)>,
     pub(super) varied: Vec<Varied>,
 }
 
@@ -57,8 +60,18 @@ pub struct StudyCase {
     pub case: AnyCase,
     /// Question.
     pub question: Question,
+    /// Relaxation of the bodies of a hold.
+    pub relaxation: Option<Relaxation>,
     /// The value of every axis.
     pub coordinates: Vec<Coordinate>,
+}
+
+/// What is prescribed in a case, in addition to the keys.
+#[derive(Debug, Clone, Copy)]
+struct Posed {
+    load: Option<Load>,
+    ramp_time: f64,
+    hold_time: f64,
 }
 
 impl StudyFile {
@@ -162,7 +175,9 @@ impl StudyFile {
                     ),
                 )
                 .key(path)
-                .accepted("leave it out, or question = \"press\" or \"cycle\" in [study]"))
+                .accepted(
+                    "leave it out, or question = \"press\", \"cycle\" or \"hold\" in [study]",
+                ))
             }
             (Asked::Press, None, None) => {
                 let error = match question {
@@ -173,9 +188,50 @@ impl StudyFile {
                     "give indentation = \"3 um\" or force = \"20 uN\" in [study], or one of them as an axis",
                 ))
             }
-            // The load of a cycle is its unloading point; the default is the critical state.
+            // The load of a cycle is its unloading point; the default is the critical state, as that of a hold.
             _ => Ok(()),
         }
+    }
+
+    /// Checks that there are times if and only if the question requires them. `question` is its position.
+    pub(super) fn check_times(&self, question: Option<&Place>) -> Result<(), CaseError> {
+        let times = [
+            (Variable::RampTime, &self.ramp_time),
+            (Variable::HoldTime, &self.hold_time),
+        ];
+        for (variable, fixed) in times {
+            let path = variable.path();
+            let mut axes = self.varied.iter();
+            let axis = axes.find(|varied| varied.axis.variable == variable);
+            let axis = axis.map(|varied| &varied.name);
+            let fixed = fixed.as_ref().map(|(_, place)| place);
+            match (self.asked, axis, fixed) {
+                (_, Some(axis), Some(fixed)) => {
+                    return Err(both_given((path, fixed), (path, axis), "study")
+                        .accepted("give a time once: in [study] or as an axis"));
+                }
+                (Asked::Hold, None, None) if variable == Variable::HoldTime => {
+                    let error = match question {
+                        Some(place) => CaseError::at(place, "this question needs a time"),
+                        None => CaseError::new(&self.source, "this question needs a time"),
+                    };
+                    return Err(error
+                        .key("study.question")
+                        .accepted("give hold_time = \"10 min\" in [study], or as an axis"));
+                }
+                (Asked::Hold, ..) | (_, None, None) => {}
+                (_, Some(place), None) | (_, None, Some(place)) => {
+                    let problem = format!(
+                        "a time has no place in the question \"{}\"",
+                        self.asked.name()
+                    );
+                    return Err(CaseError::at(place, problem)
+                        .key(path)
+                        .accepted("leave it out, or question = \"hold\" in [study]"));
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The step along every axis of a case.
@@ -203,7 +259,7 @@ impl StudyFile {
     /// The step along every axis of a case that varies a key.
     pub(super) fn steps_of_keys(&self, index: usize) -> Vec<usize> {
         let axes = self.varied.iter().zip(self.steps(index));
-        let of_keys = axes.filter(|(varied, _)| !varied.axis.variable.is_load());
+        let of_keys = axes.filter(|(varied, _)| varied.axis.variable.is_key());
         of_keys.map(|(_, step)| step).collect()
     }
 
@@ -251,16 +307,21 @@ impl StudyFile {
             .collect()
     }
 
-    /// File, load and axis values of a case to which only some axes, by number, are applied.
+    /// File, load with times, and axis values of a case to which only some axes, by number, are applied.
     fn posed(
         &self,
         index: usize,
         counts: impl Fn(usize) -> bool,
-    ) -> Result<(CaseFile, Option<Load>, Vec<Coordinate>), CaseError> {
+    ) -> Result<(CaseFile, Posed, Vec<Coordinate>), CaseError> {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
-        let mut load = self.load.as_ref().map(|fixed| fixed.load);
+        let time = |fixed: &Option<(f64, Place)>| fixed.as_ref().map_or(0.0, |(time, _)| *time);
+        let mut posed = Posed {
+            load: self.load.as_ref().map(|fixed| fixed.load),
+            ramp_time: time(&self.ramp_time),
+            hold_time: time(&self.hold_time),
+        };
         let mut coordinates = Vec::with_capacity(steps.len());
         let axes = self.varied.iter().zip(steps).enumerate();
         for (_, (varied, step)) in axes.filter(|(number, _)| counts(*number)) {
@@ -277,11 +338,13 @@ impl StudyFile {
                     file.entries.keys.insert(Key::MethodName, entry);
                 }
                 Variable::Key(key) => file.put(key, entry),
-                variable => load = Some(prescribed(variable, &entry)?),
+                Variable::RampTime => posed.ramp_time = not_negative(Variable::RampTime, &entry)?,
+                Variable::HoldTime => posed.hold_time = not_negative(Variable::HoldTime, &entry)?,
+                variable => posed.load = Some(prescribed(variable, &entry)?),
             }
             coordinates.push(coordinate);
         }
-        Ok((file, load, coordinates))
+        Ok((file, posed, coordinates))
     }
 
     /// A case to which only some axes, by number, are applied.
@@ -290,8 +353,8 @@ impl StudyFile {
         index: usize,
         counts: impl Fn(usize) -> bool,
     ) -> Result<StudyCase, CaseError> {
-        let (file, load, coordinates) = self.posed(index, counts)?;
-        let load = load.unwrap_or(Load::FloorContact);
+        let (file, posed, coordinates) = self.posed(index, counts)?;
+        let load = posed.load.unwrap_or(Load::FloorContact);
         let question = match self.asked {
             Asked::Transition | Asked::Press => Question::Contact(load),
             Asked::Cycle => Question::Cycle(CyclePlan {
@@ -300,11 +363,21 @@ impl StudyFile {
                 retract: true,
             }),
             Asked::Collapse => Question::Collapse,
+            Asked::Hold => Question::Hold(Hold {
+                load,
+                ramp_time: posed.ramp_time,
+                hold_time: posed.hold_time,
+            }),
+        };
+        let relaxation = match self.asked {
+            Asked::Hold => Some(file.viscoelastic()?.relaxation),
+            _ => None,
         };
         let case = AnyCase::studied(&file, self.asked)?;
         Ok(StudyCase {
             case,
             question,
+            relaxation,
             coordinates,
         })
     }
@@ -374,6 +447,15 @@ impl StudyFile {
 
 /// The load of an entry.
 pub(super) fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
+    let value = not_negative(variable, entry)?;
+    Ok(match variable {
+        Variable::Force => Load::Force(value),
+        _ => Load::Indentation(value),
+    })
+}
+
+/// The number of an entry, which is not negative: a load or a time.
+pub(super) fn not_negative(variable: Variable, entry: &Entry) -> Result<f64, CaseError> {
     let measured = variable.measured();
     let value = quantity(&measured, entry)?;
     let dimension = measured.dimension;
@@ -385,8 +467,5 @@ pub(super) fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, Case
         .key(variable.path())
         .accepted("it must be a finite number, 0 or greater"));
     }
-    Ok(match variable {
-        Variable::Force => Load::Force(value),
-        _ => Load::Indentation(value),
-    })
+    Ok(value)
 }

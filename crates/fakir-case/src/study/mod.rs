@@ -4,7 +4,7 @@
 //! # let case = fakir_case::Case::example().to_toml();
 //! let text = r#"
 //! [study]
-//! question = "transition"       # or "press", with indentation or force given here or as an axis; "cycle" or "collapse"
+//! question = "transition"       # or "press", with indentation or force given here or as an axis; "cycle", "collapse" or "hold"
 //! combine = "product"           # every value with every other; or "zip": first with first ...
 //!
 //! [axes]
@@ -22,7 +22,7 @@
 //! * The case is in the same file, or `[study]` names its file, such as `case = "paper-soft.toml"`
 //!   next to the study. An axis replaces the value in the case.
 //! * An axis is named by a [`Key`](crate::Key), in full or by its last name if it is unique, or by
-//!   `indentation` or `force`. Cases are in the order of the file; the last axis varies fastest.
+//!   `indentation`, `force`, `ramp_time` or `hold_time`. Cases are in the order of the file; the last axis varies fastest.
 //! * A case with a general `[surface]` has axes over keys of lens, substrate and surface.
 //! * If `method.name` is an axis, other keys of `[method]` apply to the methods that have them.
 
@@ -33,7 +33,7 @@ mod posed;
 mod read;
 mod schema;
 
-pub use asked::{Asked, Combine, Question};
+pub use asked::{Asked, Combine, Hold, Question};
 pub use axis::{Axis, Coordinate, Variable};
 pub use file::{MAXIMUM_CASES, StudyCase, StudyFile};
 pub(crate) use schema::{axes_schema, axis_definitions, is_axis, load_rules, study_schema};
@@ -271,6 +271,14 @@ impl Study {
         }) = &file.load
         {
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
+        }
+        for (variable, time) in [
+            (Variable::RampTime, &file.ramp_time),
+            (Variable::HoldTime, &file.hold_time),
+        ] {
+            if let Some((time, _)) = time {
+                let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*time));
+            }
         }
         // The default is not written, so that journals from before the introduction of loading modes can be
         // continued.

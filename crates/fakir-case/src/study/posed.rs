@@ -18,6 +18,7 @@ impl AnyCase {
             Asked::Press => Question::Press,
             Asked::Transition => Question::Transition,
             Asked::Cycle | Asked::Collapse => Question::Cycle,
+            Asked::Hold => Question::Hold,
         };
         file.check_surface(&[Question::Sweep, question])?;
         // For pillars, a combination that is not supported is a row with the reason.

@@ -2,7 +2,7 @@
 
 use super::asked::{Asked, Combine};
 use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
-use super::file::{FixedLoad, MAXIMUM_CASES, StudyFile, Varied, prescribed};
+use super::file::{FixedLoad, MAXIMUM_CASES, StudyFile, Varied, not_negative, prescribed};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, both_given, document, in_order, kind_name,
     one_of, plain_value,
@@ -131,9 +131,12 @@ fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
         combine: settings.combine,
         load: settings.load,
         drive: settings.driven.drive(settings.asked)?,
+        ramp_time: settings.ramp_time,
+        hold_time: settings.hold_time,
         varied,
     };
     file.check_load(settings.question.as_ref())?;
+    file.check_times(settings.question.as_ref())?;
     Ok(file)
 }
 
@@ -172,6 +175,8 @@ struct Settings {
     combine: Combine,
     load: Option<FixedLoad>,
     driven: Driven,
+    ramp_time: Option<(f64, Place)>,
+    hold_time: Option<(f64, Place)>,
     case: Option<(String, Place)>,
 }
 
@@ -273,18 +278,22 @@ impl Reader<'_> {
             .key(path)
             .accepted(match path {
                 "axes" => format!("[axes] lists what is varied: {AXES_EXAMPLE}"),
-                _ => "[study] may have question, combine, case, a load and a drive".to_owned(),
+                _ => {
+                    "[study] may have question, combine, case, a load, times and a drive".to_owned()
+                }
             })),
         }
     }
 
     fn settings(&self, value: &Spanned<DeValue<'_>>) -> Result<Settings, CaseError> {
-        const KEYS: [&str; 7] = [
+        const KEYS: [&str; 9] = [
             "question",
             "combine",
             "case",
             "indentation",
             "force",
+            "ramp_time",
+            "hold_time",
             "drive",
             "machine_stiffness",
         ];
@@ -320,6 +329,14 @@ impl Reader<'_> {
                             .accepted(NAME_IN_QUOTES));
                     }
                 },
+                "ramp_time" => {
+                    let time = not_negative(Variable::RampTime, &entry)?;
+                    settings.ramp_time = Some((time, entry.place));
+                }
+                "hold_time" => {
+                    let time = not_negative(Variable::HoldTime, &entry)?;
+                    settings.hold_time = Some((time, entry.place));
+                }
                 load @ ("indentation" | "force") => {
                     let variable = match load {
                         "force" => Variable::Force,

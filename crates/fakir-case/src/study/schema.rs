@@ -19,6 +19,7 @@ pub(crate) fn study_schema() -> Value {
         |name: &str, word: &str| json!({"required": [name], "properties": {name: {"const": word}}});
     let machine = is("drive", LoadingModeName::Machine.word());
     let cycle = is("question", Asked::Cycle.name());
+    let hold = is("question", Asked::Hold.name());
     json!({
         "type": "object",
         "description": "The question about every case, and how the axes are combined.",
@@ -33,6 +34,8 @@ pub(crate) fn study_schema() -> Value {
             "case": {"type": "string", "description": "case file, relative to the study; without it the case is in this file"},
             "indentation": variable_schema(Variable::Indentation),
             "force": variable_schema(Variable::Force),
+            "ramp_time": variable_schema(Variable::RampTime),
+            "hold_time": variable_schema(Variable::HoldTime),
             "drive": described(
                 words_schema(&LoadingModeName::all()),
                 "what is prescribed in a cycle",
@@ -44,6 +47,7 @@ pub(crate) fn study_schema() -> Value {
             {"if": {"required": ["machine_stiffness"]}, "then": machine},
             {"if": machine, "then": {"required": ["machine_stiffness"]}},
             {"if": {"required": ["drive"]}, "then": cycle},
+            {"if": {"anyOf": [{"required": ["ramp_time"]}, {"required": ["hold_time"]}]}, "then": hold},
         ],
     })
 }
@@ -66,8 +70,16 @@ pub(crate) fn load_rules() -> Vec<Value> {
             rules.push(json!({"not": {"allOf": [one, other]}}));
         }
     }
-    let takes_load = [Asked::Press, Asked::Cycle].map(asks);
+    let takes_load = [Asked::Press, Asked::Cycle, Asked::Hold].map(asks);
     rules.push(json!({"if": {"anyOf": all}, "then": {"anyOf": takes_load}}));
+    for time in [Variable::RampTime, Variable::HoldTime] {
+        let ways = [of_study(json!({"required": [time.path()]})), is_axis(time)];
+        rules.push(json!({"not": {"allOf": ways}}));
+        rules.push(json!({"if": is_axis(time), "then": asks(Asked::Hold)}));
+        if time == Variable::HoldTime {
+            rules.push(json!({"if": asks(Asked::Hold), "then": {"anyOf": ways}}));
+        }
+    }
     rules
 }
 
@@ -82,7 +94,7 @@ pub(crate) fn axes_schema() -> Value {
     let (mut properties, mut tables) = (Map::new(), Map::new());
     let variables = || {
         let keys = Key::ALL.into_iter().map(Variable::Key);
-        keys.chain([Variable::Indentation, Variable::Force])
+        keys.chain(Variable::PRESCRIBED)
     };
     // The names of each variable. A last name may belong to several: the kind of surface decides.
     let mut named: BTreeMap<String, Vec<Variable>> = BTreeMap::new();
@@ -147,7 +159,7 @@ pub(crate) fn axes_schema() -> Value {
 /// Definitions of all axes, by their names in the schema.
 pub(crate) fn axis_definitions() -> impl Iterator<Item = (String, Value)> {
     let keys = Key::ALL.into_iter().map(Variable::Key);
-    let all = keys.chain([Variable::Indentation, Variable::Force]);
+    let all = keys.chain(Variable::PRESCRIBED);
     all.map(|variable| (definition(variable), axis_schema(variable)))
 }
 

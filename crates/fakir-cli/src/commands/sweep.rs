@@ -236,6 +236,7 @@ fn text(summary: &Summary, folder: &Path, wall_time: Option<f64>) -> String {
         Asked::Press => "contacts under a load",
         Asked::Cycle => "cycles of loading and unloading with adhesion",
         Asked::Collapse => "collapses of an adhesive floor",
+        Asked::Hold => "holds of viscoelastic bodies",
     };
     let all = summary.rows.len();
     let mut text = format!("{all} of {} cases: {asked}\n", summary.study.cases());

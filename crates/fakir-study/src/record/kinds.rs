@@ -24,6 +24,7 @@ impl Kind {
             (Asked::Cycle, Flat) => Some(Self::FlatCycle),
             (Asked::Cycle, Asperities) => Some(Self::AsperityCycle),
             (Asked::Cycle, _) => Some(Self::Cycle),
+            (Asked::Hold, _) => Some(Self::History),
             (Asked::Collapse, _) => None,
         }
     }

@@ -1,10 +1,13 @@
 //! Sweeps in memory and in folders: the tables are the same in all circumstances.
 
-use fakir::state::CancelToken;
+use fakir::problem::{Load, Relaxation};
+use fakir::state::{CancelToken, Run};
+use fakir_case::study::Coordinate;
 use fakir_case::{Case, Study, StudyFile};
+use fakir_study::history::{HistoryCourse, HistoryPlan, follow};
 use fakir_study::{
-    Existing, Options, Progress, Row, Shard, StudyError, TABLES, Table, Values, merge, sweep,
-    sweep_into,
+    Existing, Options, Progress, Row, RowAnswer, Shard, StudyError, TABLES, Table, Values, merge,
+    sweep, sweep_into,
 };
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -400,4 +403,72 @@ fn a_cancelled_sweep_continues_from_its_journal() {
     let summary = sweep_into(&cheap(), &folder, Existing::Resume, &mut options()).unwrap();
     assert_eq!(summary.found, done);
     assert_eq!(tables(&folder), expected);
+}
+
+/// Holds over rate, time and relaxation have the numbers of single histories; the study as written gives the same cases.
+#[test]
+fn holds_over_times_are_those_of_single_histories() {
+    let text = "[study]\nquestion = \"hold\"\nindentation = \"1 um\"\n\
+                [axes]\nramp_time = [\"0 s\", \"10 s\"]\nhold_time = [\"5 s\", \"1 min\"]\n\
+                \"relaxation.times\" = [\"10 s\", \"30 s\"]\n\
+                [relaxation]\nstrengths = [1.0]\n";
+    let study = study(text);
+    let again = StudyFile::parse("again.toml", study.to_toml()).unwrap();
+    let again = again.study().unwrap();
+    assert_eq!(again.to_toml(), study.to_toml());
+    assert_eq!(study.cases(), 8);
+    let rows = sweep(&study, &mut options()).unwrap();
+    let reread = without_times(&sweep(&again, &mut options()).unwrap());
+    assert_eq!(reread, without_times(&rows));
+    let case = Case::example();
+    for row in &rows {
+        assert_eq!(row.problem, None);
+        let [ramp, duration] = [&row.coordinates[0], &row.coordinates[1]].map(|it| match it {
+            Coordinate::Number(time) => *time,
+            Coordinate::Word(word) => panic!("{word}"),
+        });
+        let Coordinate::Word(tau) = &row.coordinates[2] else {
+            panic!("{:?}", row.coordinates)
+        };
+        let tau: f64 = tau.trim_end_matches(" s").parse().unwrap();
+        let plan = HistoryPlan {
+            relaxation: Relaxation::new(&[1.0], &[tau]).unwrap(),
+            course: HistoryCourse::Hold {
+                load: Load::Indentation(1e-6),
+                ramp,
+                duration,
+                back: false,
+            },
+        };
+        let found = follow(&case, &plan, &Run::default(), &|_| {}).unwrap();
+        let Some(RowAnswer::Numbers(numbers)) = &row.answer else {
+            panic!("{:?}", row.answer)
+        };
+        let end = found.history.states.last().unwrap();
+        assert_eq!(numbers.number("end.force_N"), Some(end.force));
+        assert_eq!(numbers.number("end.time_s"), Some(ramp + duration));
+        if ramp.abs() <= 0.0 {
+            // Expected: of a step the force is that of the relaxed contact times E(t)/E.
+            let relaxed = numbers.number("equilibrium.force_N").unwrap();
+            let expected = relaxed * (1.0 + (-duration / tau).exp());
+            assert!((end.force / expected - 1.0).abs() < 1e-9);
+        }
+    }
+    let refused = |text: &str| {
+        let text = format!("{text}\n{}", Case::example().to_toml());
+        let file = StudyFile::parse("study.toml", &text);
+        file.and_then(StudyFile::study).unwrap_err().to_string()
+    };
+    let hold = "[study]\nquestion = \"hold\"\nforce = \"10 uN\"\n";
+    let relaxation = "[relaxation]\nstrengths = [1.0]\ntimes = [\"10 s\"]\n";
+    let axes = "[axes]\noffset = [0, 0.5]\n";
+    assert!(refused(&format!("{hold}{axes}{relaxation}")).contains("needs a time"));
+    let timed = format!("{hold}hold_time = \"10 s\"\n");
+    assert!(refused(&format!("{timed}{axes}")).contains("missing"));
+    let both = refused(&format!(
+        "{timed}[axes]\nhold_time = [\"1 s\"]\n{relaxation}"
+    ));
+    assert!(both.contains("both"), "{both}");
+    let press = "[study]\nquestion = \"press\"\nforce = \"10 uN\"\nramp_time = \"1 s\"\n";
+    assert!(refused(&format!("{press}{axes}")).contains("a time has no place"));
 }
