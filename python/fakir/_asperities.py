@@ -19,7 +19,7 @@ from ._history import Viscoelastic
 from ._numbers import AsperityCycleNumbers, AsperityPressNumbers
 from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
-from ._run import Progress, options, warn
+from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, overrides_of, settings
 from .errors import NotConverged
 from .bem import Plate
@@ -491,6 +491,7 @@ def design_heights(
     if error is not None and not 0.0 < error < np.inf:
         raise ValueError(f"height_error is {error}: it must be a length greater than 0")
     run = options(threads, progress, memory_limit)
+    warn_of_interactions(tops._asperities, "design", depth=1)
     summary, rounded, columns = _fakir.design_heights(
         tops._asperities,
         f"{value} of the {over}",

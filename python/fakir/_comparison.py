@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from . import _fakir
 from ._format import Row, engineering
 from ._result import Result
+from ._run import warn_of_interactions
 from ._state import CriticalState
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ class Comparison(Result):
 
 def compare(system: System, options: _fakir.Options) -> Comparison:
     """Computes the critical state by every method."""
+    warn_of_interactions(system._case, "compare")
     summary, found = _fakir.compare(system._case, options)
     states = {name: CriticalState(state, system) for name, state in found}
     return Comparison(json.loads(summary), states)

@@ -14,7 +14,7 @@ from ._cycle import Cycle
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, si
 from ._result import Result
-from ._run import Progress, options
+from ._run import Progress, options, warn_of_interactions
 from ._state import ContactState, CriticalState, radius
 from ._system import System
 from .errors import DesignError
@@ -200,6 +200,7 @@ def design(
     )
     wanted_pull = None if pull_off is None else (si(pull_off, "force", "pull_off"), *load)
     wanted = (wanted_force, wanted_radius, wanted_share, wanted_pull)
+    warn_of_interactions(system._case, "design", depth=1)
     summary, found = _fakir.design(system._case, free, wanted, run)
     answer = json.loads(summary)
     candidates = [
@@ -359,6 +360,7 @@ def spread(
     deviations = [_tolerance(key, value) for key, value in tolerances.items()]
     indentations = [si(value, "length", "force_at") for value in force_at]
     run = options(threads, progress, memory_limit)
+    warn_of_interactions(system._case, "design", depth=1)
     summary, columns = _fakir.spread(
         system._case, deviations, landing == "anywhere", indentations, (samples, seed), run
     )

@@ -14,7 +14,7 @@ from ._flat import FlatSystem
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, WithUnit, finite
 from ._result import Limit, Result
-from ._run import Progress, options, warn
+from ._run import Progress, options, warn, warn_of_interactions
 from ._system import System
 from .errors import FitError, NotConverged
 
@@ -334,7 +334,8 @@ def fit(
         least two of ``displacement_m`` (reading of the instrument) or ``indentation_m``, ``force_N`` and ``contact_radius_m``,
         and their standard errors ``force_error_N`` and so on; other units are accepted, as in ``displacement_um`` or
         ``Load [mN]``. With adhesion, ``branch`` contains ``"loading"`` or ``"unloading"``; without it unloading begins after the
-        largest load. ``time_s`` contains the time. Columns with pint units need no unit in their name: ``"force"``. Columns that
+        largest load. ``time_s`` contains the time: with viscoelastic bodies the rows are one history of ramps and holds, between
+        which the indentation is linear in time. Columns with pint units need no unit in their name: ``"force"``. Columns that
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
         afmformats (a whole curve, of which approach and retract are used) are accepted, and structured arrays of NumPy.
     system
@@ -342,7 +343,8 @@ def fit(
     free
         Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``; ``"adhesion.work"`` and
         ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
-        displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``.
+        displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``. With a
+        relaxation and times ``"relaxation.strengths[0]"``, ``"relaxation.times[0]"`` and those of further terms, up to ``[3]``.
     contact_point
         Displacement (m) at which the lens would touch the pillar tops, or its initial value.
     machine_compliance
@@ -395,6 +397,7 @@ def fit(
         force_slope=force_slope,
     )
     run = options(threads, progress, memory_limit)
+    warn_of_interactions(case_of(system), "fit", depth=1)
     fitted = _fakir.fit(case_of(system), data, list(free), instrument, starts, run)
     result = Fit(fitted, raw.understood())
     warn(result._fitted.warnings, depth=1)

@@ -24,7 +24,7 @@ from ._flat import FlatSystem
 from ._format import Row
 from ._quantity import Quantity
 from ._result import Result
-from ._run import options, warn
+from ._run import options, warn, warn_of_interactions
 from ._system import System
 from .errors import FitError, NotConverged
 
@@ -375,6 +375,7 @@ def fit_many(
         else:
             given.append((name, (data, instrument), ""))
             understood.append(raw.understood())
+    warn_of_interactions(case_of(system), "fit", depth=1)
     if joint:
         names = None if shared is None else list(shared)
         together = _fakir.fit_jointly(case_of(system), given, list(free), names, starts, run)

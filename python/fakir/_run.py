@@ -40,6 +40,15 @@ def warn_of_threads(threads: int, depth: int = 2) -> None:
         warn([warning], depth)
 
 
+def warn_of_interactions(
+    case: _fakir.Case | _fakir.Flat | _fakir.Surface | _fakir.Asperities,
+    question: str,
+    depth: int = 2,
+) -> None:
+    """Warns if shear stresses are given, as the answer of ``question`` does not contain the lateral force."""
+    warn(_fakir.without_interactions(case, question), depth + 1)
+
+
 def warn(texts: Iterable[str], depth: int = 2) -> None:
     """Warns the caller of the package, this many stack levels up."""
     for text in texts:

@@ -10,6 +10,7 @@ from . import _fakir
 from ._format import Row, engineering
 from ._numbers import Contact
 from ._result import Result
+from ._run import warn_of_interactions
 from ._state import ContactState
 
 if TYPE_CHECKING:
@@ -107,5 +108,6 @@ def verify(
 ) -> Verification:
     """Solves with both methods."""
     checked_cells(cells_per_diameter)
+    warn_of_interactions(system._case, "verify")
     summary, states = _fakir.verify(system._case, *load, cells_per_diameter, options)
     return Verification(json.loads(summary), [ContactState(state, system) for state in states])

@@ -20,7 +20,7 @@ from ._history import Viscoelastic
 from ._loading import Loading, checked_path, in_order
 from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
-from ._run import Progress, options, warn
+from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, load_or_critical, overrides_of, settings
 from ._state import FIELDS
 from ._verification import Opinion, checked_cells
@@ -293,6 +293,7 @@ class Surface(Viscoelastic):
         question = load_or_critical(indentation, force)
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
+        warn_of_interactions(self._surface, "verify", depth=1)
         summary, found = _fakir.verify_surface(self._surface, *question, cells_per_diameter, run)
         contacts = [SurfaceContact(Surface._of(surface), contact) for surface, contact in found]
         return SurfaceVerification(json.loads(summary), contacts)

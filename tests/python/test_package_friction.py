@@ -66,3 +66,19 @@ def test_a_floor_that_is_not_reached_is_not_determined():
 def test_data_without_lateral_forces_are_refused():
     with pytest.raises(fakir.FitError, match="lateral_force_N"):
         fakir.fit_friction({"force_N": np.ones(3), "contact_radius_m": np.ones(3)}, sparse())
+
+
+def test_answers_without_lateral_force_warn_as_the_command_does():
+    system = sparse({"friction.shear_stress_tops": TOPS})
+    words = 'friction.shear_stress_tops has no effect: the answer of "{}" does not contain the lateral force'
+    with pytest.warns(fakir.FakirWarning, match=words.format("compare")) as caught:
+        system.compare()
+    # At the line of the caller.
+    assert caught[0].filename == __file__
+    with pytest.warns(fakir.FakirWarning, match=words.format("design")) as caught:
+        fakir.design(system, "pattern.pitch", critical_force=1e-4)
+    assert caught[0].filename == __file__
+    data = {"indentation_m": [1e-6, 2e-6, 3e-6], "force_N": [0.5e-4, 1.5e-4, 2.7e-4]}
+    with pytest.warns(fakir.FakirWarning, match=words.format("fit")) as caught:
+        fakir.fit(data, system, ["substrate.young_modulus"])
+    assert any(warning.filename == __file__ for warning in caught)

@@ -115,6 +115,13 @@ impl CaseFile {
     /// keys of these have no effect.
     #[must_use]
     pub fn warnings_without_interactions(&self, question: Question) -> Vec<String> {
+        let words = self.without_interactions(question);
+        self.warnings().into_iter().chain(words).collect()
+    }
+
+    /// Those of these warnings that are about interactions.
+    #[must_use]
+    pub fn without_interactions(&self, question: Question) -> Vec<String> {
         let given = self.entries.keys.keys().copied();
         let given = given.filter(|key| key.is_of_interactions());
         let name = question.name();
@@ -122,7 +129,7 @@ impl CaseFile {
             let reason = format!("the answer of \"{name}\" does not contain the lateral force");
             without_effect_words(key, &reason)
         });
-        self.warnings().into_iter().chain(words).collect()
+        words.collect()
     }
 
     /// Deprecated names that were used, with the names that replace them.

@@ -8,6 +8,7 @@ use crate::flat::Flat;
 use crate::study::{PyColumns, columns};
 use crate::surface::Surface;
 use crate::watched::{Options, watched};
+use fakir::problem::Question;
 use fakir::state::SolveError;
 use fakir_case::CaseFile;
 use fakir_inverse::fit::friction::{FrictionError, FrictionFit, LateralForces};
@@ -152,6 +153,24 @@ pub(crate) fn fit_friction(
     let fit = fit.map_err(friction_error)?;
     let summary = json(&fit.summary(data, start.elapsed().as_secs_f64()));
     Ok(FittedFriction { fit, summary })
+}
+
+/// Warnings that the keys of interactions have no effect on the answer of `"verify"`, `"compare"`, `"design"` or `"fit"`.
+#[pyfunction]
+pub(crate) fn without_interactions(case: AnyKind<'_>, question: &str) -> Vec<String> {
+    let questions = [
+        Question::Verify,
+        Question::Compare,
+        Question::Design,
+        Question::Fit,
+    ];
+    let mut questions = questions.into_iter();
+    let asked = questions.find(|known| known.name() == question);
+    // Height maps that are not from a file have no answer to these questions.
+    match (asked, case.file()) {
+        (Some(asked), Ok(file)) => file.without_interactions(asked),
+        _ => Vec::new(),
+    }
 }
 
 fn friction_error(error: FrictionError) -> PyErr {

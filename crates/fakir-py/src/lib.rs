@@ -45,7 +45,7 @@ mod _fakir {
     #[pymodule_export]
     use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
     #[pymodule_export]
-    use super::friction::{FittedFriction, LateralData, fit_friction};
+    use super::friction::{FittedFriction, LateralData, fit_friction, without_interactions};
     #[pymodule_export]
     use super::history::history;
     #[pymodule_export]
