@@ -12,6 +12,7 @@ pub(crate) mod dual;
 pub(crate) mod elimination;
 pub(crate) mod elliptic;
 pub(crate) mod fft;
+pub(crate) mod line;
 pub(crate) mod neighbours;
 pub(crate) mod pivoting;
 mod product;

@@ -7,6 +7,7 @@
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
 use crate::numerics::convergence::{larger, smaller};
+use crate::numerics::line::integral_and_negative_part;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::layer::Layer;
@@ -178,15 +179,22 @@ impl<'a> Bench<'a> {
         if matches!(self.system.probe(), Probe::Punch { .. }) || work <= 0.0 {
             return state.punch;
         }
+        state.punch + self.force_by_radius(state) / self.indentation_by_radius(state, work)
+    }
+
+    /// Change of the indentation with the radius at which the rim is in equilibrium.
+    fn indentation_by_radius(&self, state: &Settled, work: f64) -> f64 {
         let at = |steps: f64| {
             self.at(state.radius * (1.0 + steps * STEP), work)
                 .indentation
         };
         let step = 12.0 * STEP * state.radius;
-        let slope = (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / step;
-        // At a fixed indentation the force changes with the radius by 2 E* pi theta(a) times the solution for g = 1 at the rim.
-        let with_radius = 2.0 * self.system.reduced_modulus() * state.at_rim * state.one_at_rim;
-        state.punch + with_radius / slope
+        (8.0 * (at(1.0) - at(-1.0)) - (at(2.0) - at(-2.0))) / step
+    }
+
+    /// Change of the force with the radius at a fixed indentation: `2 E* pi theta(a)` times the solution for `g = 1` at the rim.
+    fn force_by_radius(&self, state: &Settled) -> f64 {
+        2.0 * self.system.reduced_modulus() * state.at_rim * state.one_at_rim
     }
 
     /// The largest radius for which the system is solved.
@@ -894,9 +902,10 @@ fn pulled(steps: &[FlatLoadStep]) -> f64 {
         .iter()
         .filter(|step| step.branch == Branch::Unloading)
         .collect();
+    let point = |step: &FlatLoadStep| [step.indentation, step.force];
     let part = |pair: &[&FlatLoadStep]| {
-        let way = pair[1].indentation - pair[0].indentation;
-        0.5 * (pair[0].force.min(0.0) + pair[1].force.min(0.0)) * way
+        let [_, tensile] = integral_and_negative_part([point(pair[0]), point(pair[1])]);
+        tensile
     };
     unloading.windows(2).map(part).sum()
 }

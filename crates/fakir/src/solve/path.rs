@@ -39,6 +39,7 @@ use crate::halfspace::disc::projection::LensProjector;
 use crate::halfspace::floor::coupling::SurfaceCoupling;
 use crate::halfspace::floor::grid::Division;
 use crate::numerics::convergence::Judgement;
+use crate::numerics::line::integral_and_negative_part;
 use crate::numerics::vector::{dot, subtract};
 use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
@@ -449,18 +450,10 @@ impl<'a> Path<'a> {
 
     /// Adds the work of a step along which the force is linear.
     fn add_work(&mut self, step: f64, [before, after]: [f64; 2]) {
-        self.energies.work += 0.5 * step * (before + after);
+        let [work, tensile] = integral_and_negative_part([[0.0, before], [step, after]]);
+        self.energies.work += work;
         if step < 0.0 {
-            // Work of the tensile part of the linear force.
-            let (low, high) = (before.min(after), before.max(after));
-            let pulling = if high <= 0.0 {
-                0.5 * (before + after)
-            } else if low < 0.0 {
-                -0.5 * low * low / (high - low)
-            } else {
-                0.0
-            };
-            self.energies.separation += step * pulling;
+            self.energies.separation += tensile;
         }
     }
 

@@ -557,3 +557,24 @@ fn a_punch_at_loads_is_linear_to_its_end() {
     let apart = branches.at(Branch::Unloading, beyond).unwrap();
     assert_eq!(apart.contact_radius.to_bits(), 0);
 }
+
+/// The force of a punch is linear in the indentation, so that the work against tension is `F^2/(2 k)` with the pull-off force: the line from the end of
+/// loading to the pull-off is cut where the force is zero.
+#[test]
+fn the_work_against_tension_begins_where_the_force_is_zero() {
+    let rubber = Material::new(2e6, 0.5);
+    let system = FlatSystem::punch(50e-6, rubber, rubber).unwrap();
+    let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(0.37e-6),
+        ..CyclePlan::default()
+    };
+    let cycle = system.cycle(&plan, &Run::default()).unwrap();
+    let pull_off = cycle.pull_off.unwrap();
+    let expected = pull_off.force * pull_off.force / (2.0 * pull_off.punch_stiffness);
+    let found = cycle.work_of_separation.unwrap();
+    assert!(
+        (found / expected - 1.0).abs() < 1e-12,
+        "{found:e} {expected:e}"
+    );
+}

@@ -9,6 +9,7 @@ use super::equations::Equations;
 use super::follow::{Change, Ended, Path, Place, Segment, Stop, crossing};
 use super::newton::{Aim, Settled};
 use crate::halfspace::disc::basis::mode_count;
+use crate::numerics::line::integral_and_negative_part;
 use crate::problem::load::Prescribed;
 use crate::problem::{
     Accuracy, AsperityArray, CyclePlan, Load, LoadingMode, UnloadingPoint, Unsupported,
@@ -73,25 +74,6 @@ struct Driven {
     leaves: bool,
 }
 
-/// Work on a straight line between two points, and its tensile part.
-fn straight([from, to]: [[f64; 2]; 2]) -> [f64; 2] {
-    let length = to[0] - from[0];
-    let whole = 0.5 * (from[1] + to[1]) * length;
-    let tension = match [from, to].map(|end| end[1] < 0.0) {
-        [true, true] => whole,
-        [false, false] => 0.0,
-        [first, _] => {
-            let part = from[1] / (from[1] - to[1]);
-            if first {
-                0.5 * from[1] * part * length
-            } else {
-                0.5 * to[1] * (1.0 - part) * length
-            }
-        }
-    };
-    [whole, tension]
-}
-
 impl Driven {
     /// Takes the parts of a path along which the driver increases to a new largest value, or decreases to a new smallest one if the sign is
     /// negative.
@@ -136,7 +118,7 @@ impl Driven {
                         .map_or(point(place), |segment| segment.at(part));
                     let work =
                         |from, to| place.segment.map_or(0.0, |it: Segment| it.work(from, to));
-                    let [of_line, tensile] = straight([from, landed]);
+                    let [of_line, tensile] = integral_and_negative_part([from, landed]);
                     self.dissipated += of_line - skipped - work(0.0, part);
                     self.work += of_line + work(part, 1.0);
                     self.tension += tensile + tension(place, [part, 1.0]);
@@ -163,7 +145,7 @@ impl Driven {
             let mut landed = from[0];
             if driver.indentation > 0.0 && last.touched == 0 {
                 landed = sign * best;
-                let [of_line, tensile] = straight([from, [landed, 0.0]]);
+                let [of_line, tensile] = integral_and_negative_part([from, [landed, 0.0]]);
                 self.work += of_line;
                 self.tension += tensile;
                 self.dissipated += of_line - skipped;
@@ -482,23 +464,4 @@ fn smallest_relative(equations: &Equations<'_>, contacts: &Contacts) -> usize {
     discs
         .min_by(|a, b| relative(a.1).total_cmp(&relative(b.1)))
         .map_or(0, |(number, _)| number)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The area of a triangle, and its part below zero.
-    #[test]
-    fn work_on_a_straight_line() {
-        for (points, expected) in [
-            ([[0.0, -1.0], [2.0, 1.0]], [0.0, -0.5]),
-            ([[0.0, 1.0], [2.0, -1.0]], [0.0, -0.5]),
-            ([[0.0, -1.0], [-2.0, -1.0]], [2.0, 2.0]),
-        ] {
-            let found = straight(points);
-            let same = |(a, b): (f64, f64)| (a - b).abs() < 1e-15;
-            assert!(found.into_iter().zip(expected).all(same), "{found:?}");
-        }
-    }
 }
