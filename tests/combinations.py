@@ -30,7 +30,7 @@ from typing import Any
 QUESTIONS = ("press", "force", "floor", "transition", "approach", "cycle", "gradient", "verify")
 LENSES = ("sphere", "paraboloid", "profile", "cylinder", "plate")
 ARRANGEMENTS = ("hexagonal", "square", "rectangular", "oblique", "scattered", "finite", "listed", "unequal")
-PHYSICS = ("plain", "layers", "elastic", "adhesive tops", "adhesive floor", "rounded", "elements")
+PHYSICS = ("plain", "layers", "elastic", "adhesive tops", "adhesive floor", "rounded", "adhesive rounded", "elements")
 
 ROUNDING = 1e-9
 """Relative difference that rounding may cause in a sum over many pillars, beside the stated errors."""
@@ -72,7 +72,11 @@ class Case:
 
     @property
     def is_finite(self) -> bool:
-        return self.arrangement in ("finite", "listed", "unequal") or self.physics == "rounded"
+        return self.arrangement in ("finite", "listed", "unequal") or self.is_rounded
+
+    @property
+    def is_rounded(self) -> bool:
+        return self.physics in ("rounded", "adhesive rounded")
 
     @property
     def rise(self) -> float:
@@ -196,7 +200,7 @@ def written(case: Case, folder: Path) -> Path:
                 lines.append(f"rotation = {case.rotation!r}")
             if case.arrangement == "scattered":
                 lines += [f"height_standard_deviation = {case.scatter!r}", f"seed = {case.seed}"]
-        if case.physics == "rounded":
+        if case.is_rounded:
             lines.append(f"top_radius = {3 * diameter!r}")
         lines.append("[pattern.pillar]")
         if not (case.as_list or case.arrangement in ("listed", "unequal")):
@@ -407,7 +411,7 @@ class Checks:
         is_fixed = case.physics == "elements" or (case.arrangement == "scattered")
         if not is_fixed:
             copies.append(("rotated", replace(case, rotation=0.7), (1.0, 1.0)))
-        if case.physics not in ("rounded", "elements") and case.question != "cycle":
+        if not case.is_rounded and case.physics != "elements" and case.question != "cycle":
             accurate = replace(case, extra=(("method.accuracy", "accurate"),))
             copies.append(("accurate", accurate, (1.0, 1.0)))
         if case.arrangement == "finite" and case.physics != "elements":
@@ -463,7 +467,7 @@ def has_meaning(cell: tuple[str, str, str, str]) -> bool:
         return False
     if physics == "elements":
         return arrangement in ("hexagonal", "square", "scattered")
-    return not (physics == "rounded" and arrangement == "unequal")
+    return not (physics in ("rounded", "adhesive rounded") and arrangement == "unequal")
 
 
 def main() -> int:

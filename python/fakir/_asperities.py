@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import Lens, Substrate, refuse_layers
+from ._bodies import AnyLens, Substrate, lens_of, refuse_layers
 from ._cycle import Adhesion, Drive, plan_with_end
 from ._design import SEED
 from ._format import Row, engineering
@@ -22,31 +22,16 @@ from ._result import Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, overrides_of, settings
 from .errors import NotConverged
-from .bem import Plate
+from .bem import Plate, indenter_settings
 
 if TYPE_CHECKING:
     import pandas
 
 
-def _bodies(
-    indenter: Lens | Plate, substrate: Substrate
-) -> tuple[list[float] | None, list[float] | None, list[float]]:
-    """The numbers of a lens or a plate (the other one is None), and of a half-space."""
-    if not isinstance(indenter, (Lens, Plate)):
-        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a Lens or a Plate")
-    of_substrate = [substrate.young_modulus, substrate.poisson_ratio]
-    if indenter.young_modulus is None or indenter.poisson_ratio is None:
-        return None, None, of_substrate
-    material = [indenter.young_modulus, indenter.poisson_ratio]
-    if isinstance(indenter, Lens):
-        return [indenter.radius, *material], None, of_substrate
-    return None, material, of_substrate
-
-
-def _bodies_of(system: _fakir.Asperities) -> tuple[Lens | Plate, Substrate]:
+def _bodies_of(system: _fakir.Asperities) -> tuple[AnyLens | Plate, Substrate]:
     """The indenter and the substrate for these numbers."""
-    lens, plate = system.lens, system.plate
-    indenter = Plate(*(plate or [])) if lens is None else Lens(*lens)
+    lens = system.lens
+    indenter = Plate(*(system.plate or [])) if lens is None else lens_of(lens)
     return indenter, Substrate(*system.substrate)
 
 
@@ -62,7 +47,7 @@ class AsperityArray(Viscoelastic):
     top_radius
         Radius of curvature of all tops (m).
     indenter
-        A `Lens`, or a plate: `fakir.bem.Plate`.
+        A `Lens` or a lens of another shape, or a plate: `fakir.bem.Plate`.
     substrate
         The elastic half-space that the tops belong to.
     diameter
@@ -89,7 +74,7 @@ class AsperityArray(Viscoelastic):
     9
     """
 
-    indenter: Lens | Plate
+    indenter: AnyLens | Plate
     substrate: Substrate
     top_radius: float
     """Radius of curvature, m."""
@@ -108,7 +93,7 @@ class AsperityArray(Viscoelastic):
         y: ArrayLike,
         height: Quantity | ArrayLike,
         top_radius: Quantity,
-        indenter: Lens | Plate,
+        indenter: AnyLens | Plate,
         substrate: Substrate,
         *,
         diameter: Quantity | ArrayLike | None = None,
@@ -128,7 +113,7 @@ class AsperityArray(Viscoelastic):
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
             works = (given.work, None)
-        lens, plate, of_substrate = _bodies(indenter, substrate)
+        lens, plate = indenter_settings(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
         if accuracy not in {"default", "accurate"}:
@@ -158,7 +143,7 @@ class AsperityArray(Viscoelastic):
                 reference,
                 lens,
                 plate,
-                of_substrate,
+                [substrate.young_modulus, substrate.poisson_ratio],
                 compliance == "column",
                 accuracy == "accurate",
                 works,

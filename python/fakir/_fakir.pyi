@@ -328,7 +328,7 @@ class Asperities:
         pillars: Sequence[Sequence[float]],
         top_radius: float,
         height: float,
-        lens: Sequence[float] | None,
+        lens: tuple[list[tuple[str, float]], list[tuple[str, str]]] | None,
         plate: Sequence[float] | None,
         substrate: Sequence[float],
         column: bool,
@@ -348,7 +348,7 @@ class Asperities:
     @property
     def top_radius(self) -> float: ...
     @property
-    def lens(self) -> list[float] | None: ...
+    def lens(self) -> dict[str, Any] | None: ...
     @property
     def plate(self) -> list[float] | None: ...
     @property

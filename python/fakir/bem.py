@@ -57,7 +57,7 @@ class Plate:
         object.__setattr__(self, "poisson_ratio", ratio)
 
 
-def _indenter_settings(
+def indenter_settings(
     indenter: AnyLens | Plate, substrate: Substrate
 ) -> tuple[tuple[list[tuple[str, float]], list[tuple[str, str]]] | None, list[float] | None]:
     """The numbers and words of a lens and the substrate by their keys, or the numbers of a plate."""
@@ -138,7 +138,7 @@ class Surface(Viscoelastic):
                 values,
                 cell,
                 origin,
-                *_indenter_settings(indenter, substrate),
+                *indenter_settings(indenter, substrate),
                 [substrate.young_modulus, substrate.poisson_ratio],
                 [layer_numbers(substrate), layer_numbers(indenter)],
                 bool(periodic),

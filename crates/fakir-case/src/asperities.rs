@@ -3,13 +3,13 @@
 use crate::case::{Spacing, write_toml};
 use crate::error::CaseError;
 use crate::file::CaseFile;
-use crate::key::Key;
+use crate::key::{Key, Setting};
 use crate::parts::{MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
     Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, LensForm, Material,
-    PillarCompliance, Point, Question, Solver,
+    PillarCompliance, Point, Question, ShapedLens, Solver,
 };
 use std::f64::consts::PI;
 
@@ -38,11 +38,13 @@ pub struct AsperityCase {
     compliance: PillarCompliance,
     /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
+    /// Keys of a lens and their values; empty for a level plate.
+    lens: Vec<(Key, Setting)>,
 }
 
 impl AsperityCase {
     /// A case of asperities on pillars with the same radius of curvature. `height` is the height of the common pillar, relative to which asperities are
-    /// raised.
+    /// raised. `lens` contains the keys of the lens and their values ([`CaseFile::lens_settings`]); it has no effect for a level plate.
     ///
     /// # Errors
     /// Pillars that are columns and end below the floor.
@@ -51,21 +53,16 @@ impl AsperityCase {
         accuracy: Accuracy,
         height: f64,
         compliance: PillarCompliance,
+        lens: Vec<(Key, Setting)>,
     ) -> Result<Self, InvalidAsperities> {
+        let lens = match field.indenter() {
+            Indenter::Lens(_) => lens,
+            Indenter::Flat(_) => Vec::new(),
+        };
         let mut parts = Parts {
             substrate: *field.substrate(),
             ..Parts::default()
         };
-        match field.indenter() {
-            Indenter::Lens(lens) => {
-                parts.lens.radius = lens.sphere_radius();
-                parts.lens.material = lens.material;
-            }
-            Indenter::Flat(material) => {
-                parts.shape.form = LensForm::Plate;
-                parts.lens.material = material.unwrap_or(RIGID);
-            }
-        }
         let top_radius = field
             .asperities()
             .first()
@@ -76,8 +73,6 @@ impl AsperityCase {
         parts.method.accuracy = accuracy;
         parts.interactions = *field.interactions();
         let mut keys = vec![
-            Key::LensYoungModulus,
-            Key::LensPoissonRatio,
             Key::SubstrateYoungModulus,
             Key::SubstratePoissonRatio,
             Key::TopRadius,
@@ -100,10 +95,11 @@ impl AsperityCase {
         {
             keys.push(Key::PillarCompliance);
         }
-        keys.push(match parts.shape.form {
-            LensForm::Plate => Key::LensShape,
-            _ => Key::LensRadius,
-        });
+        if let Indenter::Flat(material) = field.indenter() {
+            parts.shape.form = LensForm::Plate;
+            parts.lens.material = material.unwrap_or(RIGID);
+            keys.extend([Key::LensShape, Key::LensYoungModulus, Key::LensPoissonRatio]);
+        }
         let of_interactions = Key::ALL.into_iter();
         keys.extend(
             of_interactions
@@ -111,13 +107,15 @@ impl AsperityCase {
         );
         let settings = keys.into_iter();
         let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
+        let of_lens = lens.iter().map(|(key, value)| (*key, key.written(value)));
         let raised: Vec<f64> = field
             .asperities()
             .iter()
             .map(|asperity| asperity.raised)
             .collect();
         let made = Self {
-            settings: settings.collect(),
+            settings: settings.chain(of_lens).collect(),
+            lens,
             field,
             accuracy,
             height,
@@ -153,6 +151,12 @@ impl AsperityCase {
     pub(crate) fn value(&self, key: Key) -> Option<String> {
         let setting = self.settings.iter().find(|(given, _)| *given == key);
         setting.map(|(_, value)| value.clone())
+    }
+
+    /// Keys of the lens and their values; empty for a level plate.
+    #[must_use]
+    pub fn lens_settings(&self) -> &[(Key, Setting)] {
+        &self.lens
     }
 
     /// Height of every pillar above the floor, m.
@@ -277,13 +281,15 @@ impl CaseFile {
                 Some(diameter).filter(|diameter| !diameter.is_nan()),
             ),
         };
-        let indenter = match parts.shape.form {
-            LensForm::Plate => Indenter::Flat(Some(parts.lens.material)),
-            _ => parts.lens.into(),
+        let (shape, _) = self.lens_shape(&parts)?;
+        let indenter = Indenter::from(ShapedLens::new(shape, parts.lens.material));
+        let lens = match &indenter {
+            Indenter::Lens(_) => self.lens_settings()?,
+            Indenter::Flat(_) => Vec::new(),
         };
         let field = |pillars: &[[f64; 4]], common: f64| {
             let asperities = pillars.iter().map(|values| asperity(*values, common));
-            AsperityArray::new(indenter, parts.substrate, asperities.collect())?
+            AsperityArray::new(indenter.clone(), parts.substrate, asperities.collect())?
                 .with_interactions(parts.interactions)
                 .map_err(InvalidAsperities::Body)
         };
@@ -329,6 +335,7 @@ impl CaseFile {
             height,
             compliance: pillar.compliance,
             settings: self.settings(parts),
+            lens,
         })
     }
 
@@ -415,6 +422,9 @@ impl CaseFile {
     fn no_asperities(&self, invalid: &InvalidAsperities) -> CaseError {
         match invalid {
             InvalidAsperities::Body(invalid) => self.impossible(invalid),
+            InvalidAsperities::Concave { .. } => {
+                self.problem(Key::LensProfile, invalid.to_string())
+            }
             other => self.problem(Key::TopRadius, other.to_string()),
         }
     }

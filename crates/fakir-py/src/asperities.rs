@@ -2,13 +2,14 @@
 
 use crate::answer::Answer;
 use crate::error::{
-    case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
+    PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
 use crate::load::{load, plan};
+use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Accuracy, Adhesion, Asperity, AsperityArray, Indenter, Lens, Material, PillarCompliance,
+    Accuracy, Adhesion, Asperity, AsperityArray, Indenter, Material, PillarCompliance,
 };
 use fakir::state;
 use fakir_case::{AsperityCase, CaseFile};
@@ -22,6 +23,7 @@ use fakir_study::result::{
 };
 use fakir_study::workshop::Relief;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -34,14 +36,14 @@ pub(crate) struct Asperities {
 
 #[pymethods]
 impl Asperities {
-    /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` is radius, modulus and
-    /// Poisson's ratio, `plate` modulus and Poisson's ratio; `adhesion` the works of adhesion where contact is made and broken.
+    /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` contains the numbers and words
+    /// of the keys of both bodies, `plate` modulus and Poisson's ratio, or neither for a rigid plate; `adhesion` the works of adhesion where contact is made and broken.
     #[new]
     fn new(
         pillars: Vec<[f64; 4]>,
         top_radius: f64,
         height: f64,
-        lens: Option<[f64; 3]>,
+        lens: Option<BodySettings>,
         plate: Option<[f64; 2]>,
         substrate: [f64; 2],
         column: bool,
@@ -49,12 +51,14 @@ impl Asperities {
         adhesion: Option<(f64, Option<f64>)>,
     ) -> PyResult<Self> {
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
-        let indenter = match (lens, plate) {
-            (Some([radius, modulus, ratio]), _) => Indenter::from(Lens {
-                radius,
-                material: Material::new(modulus, ratio),
-            }),
-            (None, plate) => Indenter::Flat(plate.map(material)),
+        let (indenter, lens) = match lens {
+            Some((numbers, words)) => {
+                let file = CaseFile::from_settings(PYTHON, settings(numbers, words)?);
+                let lens = file.shaped_lens().map_err(|error| case_error(&error))?;
+                let keys = file.lens_settings().map_err(|error| case_error(&error))?;
+                (Indenter::from(lens), keys)
+            }
+            None => (Indenter::Flat(plate.map(material)), Vec::new()),
         };
         let asperity = |[x, y, own, diameter]: [f64; 4]| Asperity {
             rim_radius: (!diameter.is_nan()).then_some(0.5 * diameter),
@@ -83,7 +87,8 @@ impl Asperities {
         } else {
             PillarCompliance::None
         };
-        let case = AsperityCase::new(field, accuracy, height, compliance).map_err(value_error)?;
+        let case = AsperityCase::new(field, accuracy, height, compliance, lens);
+        let case = case.map_err(value_error)?;
         Ok(Self { case })
     }
 
@@ -143,17 +148,11 @@ impl Asperities {
             .map_or(f64::NAN, |asperity| asperity.top_radius)
     }
 
-    /// Radius, modulus and Poisson's ratio of a lens.
+    /// Values of a lens by their keys; none for a level plate.
     #[getter]
-    fn lens(&self) -> Option<[f64; 3]> {
-        match self.case.field.indenter() {
-            Indenter::Lens(lens) => Some([
-                lens.sphere_radius(),
-                lens.material.young_modulus,
-                lens.material.poisson_ratio,
-            ]),
-            Indenter::Flat(_) => None,
-        }
+    fn lens<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let lens = self.case.lens_settings();
+        (!lens.is_empty()).then(|| by_key(py, lens)).transpose()
     }
 
     /// Modulus and Poisson's ratio of an elastic plate.

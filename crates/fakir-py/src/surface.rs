@@ -6,13 +6,13 @@ use crate::error::{
     warn_of_deprecations,
 };
 use crate::load::{load, load_or_critical, path};
-use crate::settings::settings;
+use crate::settings::{BodySettings, by_key, settings};
 use crate::watched::{Options, watched};
 use fakir::problem::{
     Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point, SurfaceSystem,
 };
 use fakir::state::Run;
-use fakir_case::{CaseFile, Setting};
+use fakir_case::CaseFile;
 use fakir_study::record::SurfaceAnswer;
 use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
@@ -164,14 +164,8 @@ impl Surface {
         let (Some(_), Some(file)) = (self.system.indenter().lens(), file) else {
             return Ok(None);
         };
-        let values = PyDict::new(py);
-        for (key, value) in file.lens_settings().map_err(|error| case_error(&error))? {
-            match value {
-                Setting::Number(number) => values.set_item(key.path(), number)?,
-                Setting::Word(word) => values.set_item(key.path(), word)?,
-            }
-        }
-        Ok(Some(values))
+        let lens = file.lens_settings().map_err(|error| case_error(&error))?;
+        by_key(py, &lens).map(Some)
     }
 
     /// Modulus and Poisson's ratio of an elastic plate.
@@ -197,9 +191,6 @@ impl Surface {
         self.system.layers().map(|layer| layer.map(numbers_of))
     }
 }
-
-/// Numbers and words by their keys.
-type BodySettings = (Vec<(String, f64)>, Vec<(String, String)>);
 
 /// Thickness (m), condition at the back, and modulus and Poisson's ratio of an elastic base.
 type LayerNumbers = (f64, String, Option<[f64; 2]>);

@@ -5,7 +5,7 @@ use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
-use fakir::problem::{AsperityArray, ContactAreas, Interactions};
+use fakir::problem::{AsperityArray, ContactAreas, Interactions, ShapedLens};
 use fakir::state::{
     AsperityContact, AsperityCycle, AsperityErrors, AsperityLoadStep, AsperityState, PillarStatus,
 };
@@ -151,12 +151,15 @@ pub(crate) fn asperity_head(field: &AsperityArray) -> Object {
     Object::of_rows(&head(), field)
 }
 
-fn head() -> [Named<AsperityArray>; 3] {
+fn head() -> [Named<AsperityArray>; 4] {
     [
         Named::word("method", "`spectral`", |_: &AsperityArray| Some("spectral")),
         Named::word("tops", "`rounded`", |_: &AsperityArray| Some("rounded")),
         Named::word("indenter", "`lens` or `plate`", |it: &AsperityArray| {
             Some(indenter_name(it.indenter()))
+        }),
+        Named::word("lens_shape", "shape of a lens", |it: &AsperityArray| {
+            it.indenter().lens().map(ShapedLens::shape_name)
         }),
     ]
 }

@@ -2,6 +2,7 @@
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use crate::provenance::method_words;
+use crate::report::state::shape_words;
 use fakir::problem::{Accuracy, Asperity, Indenter, Method};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -14,10 +15,13 @@ pub fn case_line(case: &AsperityCase) -> String {
         .map_or(0.0, |asperity: &Asperity| asperity.top_radius);
     let indenter = match case.field.indenter() {
         Indenter::Flat(_) => "a plate".to_owned(),
-        Indenter::Lens(lens) => format!(
-            "a lens of radius {}",
-            with_unit(lens.sphere_radius(), Dimension::Length, LENGTH_DIGITS)
-        ),
+        Indenter::Lens(lens) => match lens.sphere() {
+            Some(sphere) => format!(
+                "a lens of radius {}",
+                with_unit(sphere.radius, Dimension::Length, LENGTH_DIGITS)
+            ),
+            None => format!("a {}", shape_words(lens)),
+        },
     };
     format!(
         "{} rounded pillar tops, radius of curvature {}, under {indenter}",

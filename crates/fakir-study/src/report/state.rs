@@ -6,7 +6,7 @@ use crate::record::{GradientObject, Record, interactions};
 use fakir::Difference;
 use fakir::problem::{
     Adhesion, Arrangement, Base, Disorder, FlatSystem, Layer, LensShape, LoadingMode, Method,
-    Probe, System,
+    Probe, ShapedLens, System,
 };
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
@@ -187,15 +187,29 @@ pub(crate) fn drive_words(drive: LoadingMode) -> String {
     }
 }
 
+/// Description of the shape of a lens.
+pub(crate) fn shape_words(lens: &ShapedLens) -> String {
+    let length = |value| with_unit(value, Dimension::Length, LENGTH_DIGITS);
+    match &lens.shape {
+        LensShape::Plate { tilt, .. } => {
+            format!(
+                "plate tilted by {}",
+                with_unit(*tilt, Dimension::Angle, LENGTH_DIGITS)
+            )
+        }
+        _ => match lens.radius() {
+            Some(radius) => format!("{} of radius {}", lens.shape_name(), length(radius)),
+            None => "lens with a table of heights".to_owned(),
+        },
+    }
+}
+
 /// Description of the lens or punch on a flat surface, and of its layers.
 pub(crate) fn lens_words(system: &FlatSystem) -> String {
     let length = |value| with_unit(value, Dimension::Length, LENGTH_DIGITS);
     let mut words = match system.probe() {
         Probe::Punch { radius, .. } => format!("flat punch of radius {}", length(*radius)),
-        Probe::Lens(lens) => match lens.radius() {
-            Some(radius) => format!("{} of radius {}", lens.shape_name(), length(radius)),
-            None => "lens with a table of heights".to_owned(),
-        },
+        Probe::Lens(lens) => shape_words(lens),
     };
     let names = ["substrate", "lens"];
     for (name, layer) in names.into_iter().zip(system.layers()) {

@@ -2,7 +2,7 @@
 
 use super::adhesion::Adhesion;
 use super::interactions::Interactions;
-use super::lens::Material;
+use super::lens::{LensShape, Material, ShapedLens};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
@@ -87,6 +87,17 @@ pub enum InvalidAsperities {
         /// The invalid quantity.
         invalid: InvalidQuantity,
     },
+    /// The profile of the lens is more strongly concave than an asperity is convex, so that its contact would not be a disc.
+    #[error(
+        "the profile of the lens has a concave part with a radius of curvature of {concave:.3e} m, less than that of the tops, {top_radius:.3e} m: \
+         contacts there are not discs"
+    )]
+    Concave {
+        /// Smallest radius of curvature of the concave parts of the profile, m.
+        concave: f64,
+        /// Largest radius of curvature of an asperity, m.
+        top_radius: f64,
+    },
     /// Two asperities have the same position, or their pillars overlap.
     #[error(
         "asperities {0} and {1} (counted from 0) are {distance:.3e} m apart: must be at least {least:.3e} m", .asperities[0], .asperities[1]
@@ -105,7 +116,8 @@ impl AsperityArray {
     /// Checks all quantities.
     ///
     /// # Errors
-    /// No asperities, invalid quantities, two asperities at the same position, and edges that overlap.
+    /// No asperities, invalid quantities, two asperities at the same position, edges that overlap, and a profile that is more strongly
+    /// concave than the asperities are convex.
     pub fn new(
         indenter: Indenter,
         substrate: Material,
@@ -135,6 +147,17 @@ impl AsperityArray {
                     });
                 }
             }
+        }
+        let radii = asperities.iter().map(|asperity| asperity.top_radius);
+        let top_radius = radii.fold(0.0, f64::max);
+        let profile = indenter.lens().and_then(ShapedLens::profile);
+        if let Some(concave) = profile.and_then(|profile| profile.concave_radius())
+            && concave <= top_radius
+        {
+            return Err(InvalidAsperities::Concave {
+                concave,
+                top_radius,
+            });
         }
         Ok(Self {
             indenter,
@@ -184,9 +207,10 @@ impl AsperityArray {
     #[must_use]
     pub fn tabor_number(&self, range: f64) -> f64 {
         let elastic = self.adhesion.receding() / self.reduced_modulus();
-        let radii = self.asperities.iter().map(|asperity| asperity.top_radius);
-        let radius = radii.fold(0.0, f64::max);
-        let curvature = radius.recip() + self.lens_radius().recip();
+        let curvatures = self.asperities.iter();
+        let curvatures = curvatures
+            .map(|asperity| asperity.top_radius.recip() + self.lens_curvature(asperity.apex));
+        let curvature = curvatures.fold(f64::INFINITY, f64::min);
         (elastic * elastic / curvature).cbrt() / range
     }
 
@@ -252,11 +276,19 @@ impl AsperityArray {
         })
     }
 
-    /// The lens radius in metres; infinite for a plate.
-    pub(crate) fn lens_radius(&self) -> f64 {
-        match &self.indenter {
-            Indenter::Lens(lens) => lens.sphere_radius(),
-            Indenter::Flat(_) => f64::INFINITY,
+    /// Mean curvature of the lens above a point, 1/m; on the axis for a sphere and a paraboloid, zero for a plate.
+    fn lens_curvature(&self, point: Point) -> f64 {
+        let Some(lens) = self.indenter.lens() else {
+            return 0.0;
+        };
+        match lens.shape {
+            LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => radius.recip(),
+            LensShape::Cylinder { radius, .. } => 0.5 / radius,
+            LensShape::Plate { .. } => 0.0,
+            LensShape::Profile(_) => lens.jet(point).map_or(0.0, |jet| {
+                let [xx, _, yy] = jet.hessian;
+                0.5 * (xx + yy)
+            }),
         }
     }
 }

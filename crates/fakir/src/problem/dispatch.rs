@@ -260,19 +260,6 @@ const OTHER_LENS: &[Feature] = &{
     }
     lenses
 };
-/// Lenses that are neither spheres nor level plates.
-const NOT_LEVEL: &[Feature] = &{
-    // The tilted plate takes the place of the level one.
-    let mut lenses = [Feature::TiltedPlate; LensForm::OTHERS.len()];
-    let mut place = 0;
-    while place < lenses.len() {
-        if !matches!(LensForm::OTHERS[place], LensForm::Plate) {
-            lenses[place] = OTHER_LENS[place];
-        }
-        place += 1;
-    }
-    lenses
-};
 /// Lenses that come nearest to the floor beyond the pillars.
 const WITHOUT_AXIS: &[Feature] = &[
     Feature::Lens(LensForm::Cylinder),
@@ -468,20 +455,6 @@ static RULES: &[Rule] = &[
         &[LAYER],
         "layers are not supported with rounded pillar tops",
         "leave out the thicknesses, or the radius of curvature of the tops",
-    ),
-    rule(
-        ANY,
-        ASPERITIES,
-        &[&[Feature::TiltedPlate]],
-        "a tilted plate is not supported on rounded pillar tops",
-        "leave out the tilt",
-    ),
-    rule(
-        ANY,
-        ASPERITIES,
-        &[NOT_LEVEL],
-        "rounded pillar tops support only a sphere or a plate",
-        "use a sphere or a plate",
     ),
     rule(
         ANY,

@@ -179,6 +179,18 @@ impl LensProfile {
         bend.recip()
     }
 
+    /// Smallest radius of curvature of the concave parts, m; `None` if there are none. The second derivative of a cubic is largest at an
+    /// end of its interval.
+    pub(super) fn concave_radius(&self) -> Option<f64> {
+        let ends = self.radii.iter().take(self.radii.len() - 1).enumerate();
+        let bends = ends.flat_map(|(interval, _)| {
+            let [width, _, square, cube] = self.cubic(interval);
+            [2.0 * square, 2.0 * square + 6.0 * cube * width]
+        });
+        let lowest = bends.fold(f64::INFINITY, f64::min);
+        (lowest < 0.0).then(|| -lowest.recip())
+    }
+
     /// Height, slope and second derivative at a distance from the axis.
     pub(crate) fn at(&self, distance: f64) -> [f64; 3] {
         let last = self.radii.len() - 1;

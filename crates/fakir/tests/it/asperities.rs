@@ -3,8 +3,8 @@
 use chacha20::ChaCha8Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Boundary, Grid, HeightMap, Indenter, Lens, Load, Material,
-    Point, SurfaceSystem,
+    Accuracy, Asperity, AsperityArray, Boundary, Grid, HeightMap, Indenter, Lens, LensShape, Load,
+    Material, Point, ShapedLens, SurfaceSystem,
 };
 use fakir::state::{AsperityContact, PillarStatus, Run, SolveError, Termination};
 use std::f64::consts::PI;
@@ -27,6 +27,11 @@ fn indenter(radius: f64) -> Indenter {
         radius: radius * UM,
         material: Material::new(1e300, 0.0),
     })
+}
+
+/// A nearly rigid lens of any shape.
+fn rigid(shape: LensShape) -> Indenter {
+    Indenter::from(ShapedLens::new(shape, Material::new(1e300, 0.0)))
 }
 
 /// Asperities with positions, radii of curvature and heights, all in um.
@@ -457,10 +462,10 @@ fn cells(half: f64, cell: f64, height: impl Fn(Point) -> f64) -> HeightMap {
 }
 
 /// Force and area with elements, in um^2, at a depth `zeta` below the reference level.
-fn by_elements(radius: f64, surface: HeightMap, zeta: f64) -> [f64; 2] {
+fn by_elements(indenter: Indenter, surface: HeightMap, zeta: f64) -> [f64; 2] {
     let from_highest = zeta * UM + surface.highest();
     // The indentation of a lens is relative to contact of its lowest point with the highest cell, at any position.
-    let system = SurfaceSystem::new(indenter(radius), substrate(), surface, Boundary::FreeSpace);
+    let system = SurfaceSystem::new(indenter, substrate(), surface, Boundary::FreeSpace);
     let contact = system
         .expect("a system")
         .press(Load::Indentation(from_highest), &Run::default());
@@ -478,24 +483,42 @@ fn heights_of(asperities: &[(Point, f64, f64)], [x, y]: Point) -> f64 {
 
 #[test]
 fn seven_caps_are_those_of_elements() {
-    check_with_boundary_elements(seven(30.0), f64::INFINITY, 42.0, 1e-5);
+    check_with_boundary_elements(seven(30.0), &indenter(f64::INFINITY), 42.0, 1e-5);
 }
 
 #[test]
 fn random_caps_are_those_of_elements() {
-    check_with_boundary_elements(random_seven(), f64::INFINITY, 46.0, 6e-5);
+    check_with_boundary_elements(random_seven(), &indenter(f64::INFINITY), 46.0, 6e-5);
+}
+
+#[test]
+fn random_caps_under_a_tilted_plate_are_those_of_elements() {
+    let shape = LensShape::Plate {
+        tilt: 0.01,
+        direction: 0.6,
+    };
+    check_with_boundary_elements(random_seven(), &rigid(shape), 46.0, 1e-4);
+}
+
+#[test]
+fn caps_under_a_cylinder_are_those_of_elements() {
+    let shape = LensShape::Cylinder {
+        radius: 2000.0 * UM,
+        angle: 0.3,
+    };
+    check_with_boundary_elements(random_seven(), &rigid(shape), 46.0, 2e-4);
 }
 
 #[test]
 fn ovals_are_those_of_elements() {
     // The other program also differs from elements by 4.1e-4.
-    check_with_boundary_elements(seven(24.0), 400.0, 50.0, 5e-4);
+    check_with_boundary_elements(seven(24.0), &indenter(400.0), 50.0, 5e-4);
 }
 
 /// The error of elements on each isolated asperity is subtracted: the cells have the same positions on each.
 fn check_with_boundary_elements(
     mut asperities: Vec<(Point, f64, f64)>,
-    radius: f64,
+    lens: &Indenter,
     half: f64,
     tolerance: f64,
 ) {
@@ -503,10 +526,10 @@ fn check_with_boundary_elements(
         *place = place.map(|x| (4.0 * x).round() / 4.0);
     }
     let cell = 0.125;
-    let field = field(indenter(radius), &asperities);
+    let field = field(lens.clone(), &asperities);
     let contact = press(&field, Load::Indentation(UM), Accuracy::Accurate);
     let surface = cells(half, cell, |at| heights_of(&asperities, at));
-    let found = by_elements(radius, surface, 1.0);
+    let found = by_elements(lens.clone(), surface, 1.0);
     let mut bias = [0.0; 2];
     let touched = asperities.iter().zip(&contact.asperities);
     for (asperity, state) in touched.filter(|(_, state)| state.force > 0.0) {
@@ -514,7 +537,7 @@ fn check_with_boundary_elements(
         let overlap = radius * radius / asperity.1;
         let alone = [([0.0, 0.0], asperity.1, 0.0)];
         let surface = cells(radius + 2.0, cell, |at| heights_of(&alone, at));
-        let [force, area] = by_elements(f64::INFINITY, surface, overlap);
+        let [force, area] = by_elements(indenter(f64::INFINITY), surface, overlap);
         let hertz = 4.0 / 3.0 * asperity.1.sqrt() * overlap.powf(1.5);
         bias[0] += (force / hertz - 1.0) * state.force / contact.force;
         let part = PI * state.radius * state.radius / contact.area;
@@ -574,7 +597,7 @@ fn a_contact_that_leans_on_its_rim() {
             }
         })
     };
-    let effective = 0.5 * by_elements(f64::INFINITY, disc(&|_| 0.0), 1.0)[0];
+    let effective = 0.5 * by_elements(indenter(f64::INFINITY), disc(&|_| 0.0), 1.0)[0];
     let asperity = Asperity {
         rim_radius: Some(effective * UM),
         ..Asperity::new([place * UM, 0.0], asperity_radius * UM)
@@ -584,7 +607,7 @@ fn a_contact_that_leans_on_its_rim() {
         let zeta = overlap + place * place / (2.0 * (lens + asperity_radius));
         let contact = press(&field, Load::Indentation(zeta * UM), Accuracy::Accurate);
         let surface = disc(&|[x, y]| -(x * x + y * y) / (2.0 * asperity_radius));
-        let found = by_elements(lens, surface, zeta)[0];
+        let found = by_elements(indenter(lens), surface, zeta)[0];
         let error = found / (contact.force / FORCE) - 1.0;
         let estimate = contact.error.expect("an estimate").force;
         println!(

@@ -2,9 +2,10 @@
 
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
 use crate::numerics::quadrature::hemisphere;
-use crate::problem::{Asperity, Point};
+use crate::problem::point::turned;
+use crate::problem::{Asperity, LensShape, Point, ShapedLens};
 
-/// Fraction of the lens radius beyond which the shape is extrapolated with constant slope. No allowed contact comes near.
+/// Fraction of the radius of a sphere or a cylinder beyond which the shape is extrapolated with constant slope. No allowed contact comes near.
 const STEEPEST: f64 = 0.9;
 
 /// Largest number of steps of the search for a summit, and the relative change at which it ends, in radii of curvature.
@@ -19,30 +20,47 @@ pub(crate) struct Jet {
     pub(crate) bend: [f64; 3],
 }
 
-/// The indenter: a sphere of this radius, or a plate if it is infinite.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Shape {
-    pub(crate) radius: f64,
-}
+/// The indenter: a lens of any shape, or a level plate. Lengths in any unit.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shape(pub(crate) Option<ShapedLens>);
 
 impl Shape {
-    /// Height above the lowest point.
-    pub(crate) fn at(self, [x, y]: Point) -> Jet {
-        if self.radius.is_infinite() {
-            return Jet {
-                value: 0.0,
-                slope: [0.0; 2],
-                bend: [0.0; 3],
-            };
-        }
-        let square = (x * x + y * y).min((STEEPEST * self.radius).powi(2));
-        let root = (self.radius * self.radius - square).sqrt();
-        let (one, cube) = (root.recip(), root.recip().powi(3));
-        Jet {
-            value: square / (self.radius + root),
-            slope: [x * one, y * one],
-            bend: [one + x * x * cube, x * y * cube, one + y * y * cube],
-        }
+    /// Height above the lowest point, or of a tilted plate above its point on the axis.
+    pub(crate) fn at(&self, point: Point) -> Jet {
+        let level = Jet {
+            value: 0.0,
+            slope: [0.0; 2],
+            bend: [0.0; 3],
+        };
+        let Some(lens) = &self.0 else {
+            return level;
+        };
+        // Spheres and cylinders have an equator: beyond a part of their radius they are continued with constant slope.
+        let widest = match lens.shape {
+            LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => STEEPEST * radius,
+            _ => f64::INFINITY,
+        };
+        let distance = lens.distance(point);
+        let inside = if distance > widest {
+            let part = widest / distance;
+            match lens.shape {
+                LensShape::Cylinder { angle, .. } => {
+                    let [along, across] = turned(point, -angle);
+                    turned([along, part * across], angle)
+                }
+                _ => point.map(|x| part * x),
+            }
+        } else {
+            point
+        };
+        lens.jet(inside).map_or(level, |jet| {
+            let beyond = [0, 1].map(|k| jet.gradient[k] * (point[k] - inside[k]));
+            Jet {
+                value: jet.value + beyond[0] + beyond[1],
+                slope: jet.gradient,
+                bend: jet.hessian,
+            }
+        })
     }
 }
 
@@ -73,7 +91,7 @@ impl Layout {
     pub(crate) fn new(asperities: Vec<Asperity>, shape: Shape, work: f64) -> Self {
         let summits = asperities
             .iter()
-            .map(|asperity| summit(asperity, shape))
+            .map(|asperity| summit(asperity, &shape))
             .collect();
         Self {
             asperities,
@@ -92,13 +110,14 @@ impl Layout {
         Self {
             asperities: self.asperities.iter().take(1).map(alone).collect(),
             summits: self.summits.iter().take(1).copied().collect(),
-            ..*self
+            shape: self.shape.clone(),
+            grip: self.grip,
         }
     }
 
     /// Overlap of an asperity with the indenter at zero indentation.
     pub(crate) fn overlap(&self, asperity: usize, point: Point) -> Jet {
-        overlap(&self.asperities[asperity], self.shape, point)
+        overlap(&self.asperities[asperity], &self.shape, point)
     }
 
     /// Indentation at which the first asperity is touched.
@@ -108,7 +127,7 @@ impl Layout {
     }
 }
 
-fn overlap(asperity: &Asperity, shape: Shape, point: Point) -> Jet {
+fn overlap(asperity: &Asperity, shape: &Shape, point: Point) -> Jet {
     let sag = shape.at(point);
     let [x, y] = [0, 1].map(|k| point[k] - asperity.apex[k]);
     let curvature = asperity.top_radius.recip();
@@ -123,7 +142,7 @@ fn overlap(asperity: &Asperity, shape: Shape, point: Point) -> Jet {
     }
 }
 
-fn summit(asperity: &Asperity, shape: Shape) -> Summit {
+fn summit(asperity: &Asperity, shape: &Shape) -> Summit {
     let mut place = asperity.apex;
     for _ in 0..SUMMIT_STEPS {
         let step = to_summit(&overlap(asperity, shape, place));
