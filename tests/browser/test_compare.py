@@ -46,6 +46,7 @@ def test_a_case_stays_beside_the_next_one(explore):
 def test_a_link_opens_both_cases(explore):
     page = explore("#" + "&".join([*paper(0.01), "load=0.6"]))
     pin(page)
+    page.until("location.hash.includes('compare=')")
     page.enter("pattern.surface_fraction", "0.02")
     page.until("location.hash.includes('compare=') && location.hash.includes('surface_fraction=0.02')")
     page.until("document.querySelector('#comparison.older') === null")

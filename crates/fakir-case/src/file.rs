@@ -10,7 +10,7 @@ use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table, present};
 use crate::parts::{Parts, PillarPatternParts, TRUE_OR_FALSE};
-use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, read_pillars};
+use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, pillars_in, read_pillars};
 use crate::profile::read_profile;
 use crate::table::{Field, IMPLIED, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
@@ -42,6 +42,8 @@ pub struct CaseFile {
     pub(crate) pillars: Option<PillarList>,
     /// A table of heights of the lens that does not come from a file.
     pub(crate) profile: Option<Arc<LensProfile>>,
+    /// Name and contents of a table of pillars that is given instead of read.
+    pub(crate) table: Option<(PathBuf, Arc<[u8]>)>,
 }
 
 impl Case {
@@ -73,6 +75,15 @@ impl CaseFile {
         self.entries.keys.remove(&Key::Pillars);
         Self {
             pillars: Some(pillars),
+            ..self
+        }
+    }
+
+    /// Gives the contents of the table that `pattern.pillars` names, which is then not read.
+    #[must_use]
+    pub fn with_table(self, name: &str, contents: &[u8]) -> Self {
+        Self {
+            table: Some((PathBuf::from(name), contents.into())),
             ..self
         }
     }
@@ -125,6 +136,7 @@ impl CaseFile {
             folder: PathBuf::new(),
             pillars: None,
             profile: None,
+            table: None,
         })
     }
 
@@ -154,6 +166,7 @@ impl CaseFile {
             folder: PathBuf::new(),
             pillars: None,
             profile: None,
+            table: None,
         }
     }
 
@@ -428,8 +441,17 @@ impl CaseFile {
         &self,
         pattern: &PillarPatternParts,
     ) -> Result<(Table<4>, PathBuf), CaseError> {
-        let path = self.named_file(Key::Pillars, &pattern.pillars);
-        let table = read_pillars(&path, &pattern.pillar);
+        let (path, table) = match &self.table {
+            Some((name, contents)) if *name == Path::new(&pattern.pillars) => {
+                let table = pillars_in(&pattern.pillars, contents, &pattern.pillar);
+                (name.clone(), table)
+            }
+            _ => {
+                let path = self.named_file(Key::Pillars, &pattern.pillars);
+                let table = read_pillars(&path, &pattern.pillar);
+                (path, table)
+            }
+        };
         let table = table.map_err(|error| self.no_pillars(&error))?;
         for (key, column) in [(Key::PillarHeight, HEIGHT), (Key::PillarDiameter, DIAMETER)] {
             let is_needed = key == Key::PillarHeight || !self.is_rounded();
@@ -456,8 +478,11 @@ impl CaseFile {
         }
         let (table, path) = self.pillar_table(pattern)?;
         let list = listed(&table).map_err(|error| self.no_pillars(&error))?;
-        // As an absolute path.
-        let path = Some(std::path::absolute(&path).unwrap_or(path));
+        // As an absolute path, unless its contents were given.
+        let path = match self.table {
+            Some(_) => Some(path),
+            None => Some(std::path::absolute(&path).unwrap_or(path)),
+        };
         Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
     }
 

@@ -35,6 +35,15 @@ pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, Tab
     }
 }
 
+/// [`read_pillars`] from the contents of a file; `name` is its name in errors.
+pub(crate) fn pillars_in(
+    name: &str,
+    contents: &[u8],
+    common: &Pillar,
+) -> Result<Table<4>, TableError> {
+    COLUMNS.parse(name, contents, None, otherwise(common))
+}
+
 fn otherwise(common: &Pillar) -> [f64; 4] {
     [f64::NAN, f64::NAN, common.height, common.diameter]
 }

@@ -2,7 +2,7 @@
 
 import { byId } from "./screen.js";
 import { fileShown } from "./shown.js";
-import { knownCritical } from "./store.js";
+import { knownCritical, tableOf } from "./store.js";
 
 /**
  * @import { Engine, Texts } from "./engine.js"
@@ -27,7 +27,7 @@ export async function save(store, engine, name) {
     ...(known && { critical_indentation_m: known.critical_indentation_m }),
   };
   try {
-    const file = await engine.file({ case: question.case, load, file: name });
+    const file = await engine.file({ case: question.case, load, file: name, ...tableOf(store.state, question.case) });
     if (file !== null) download(store, file, name);
   } catch (error) {
     store.notify("export", error instanceof Error ? error.message : String(error));

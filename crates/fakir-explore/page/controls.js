@@ -227,7 +227,14 @@ export class Controls {
     });
     box.classList.add("choice");
     box.append(select, note);
-    return { box, note, show: (value) => (select.value = String(value)), inputs: [select] };
+    /** @param {Value} value */
+    const show = (value) => {
+      const word = String(value);
+      // A word that the page does not offer, but was given: the lattice of a table of pillars.
+      if (word !== "" && ![...select.options].some((option) => option.value === word)) select.add(new Option(word, word));
+      select.value = word;
+    };
+    return { box, note, show, inputs: [select] };
   }
 }
 

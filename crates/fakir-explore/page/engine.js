@@ -117,6 +117,8 @@
  * @property {readonly [number, number] | null} range First index and end (exclusive) along both vectors; null for an
  *   infinite lattice.
  * @property {readonly number[]} missing Indices (i, j) of the missing pillars in view, as a flat list.
+ * @property {readonly (readonly [number, number, number])[]} [listed] Position and diameter of each pillar of a table, m; pillar (i, 0) is
+ *   the i-th.
  */
 
 /**

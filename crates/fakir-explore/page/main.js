@@ -31,6 +31,7 @@ import {
   ADHESIVE_FLOOR,
   WORK,
 } from "./store.js";
+import { tables } from "./table.js";
 import { onScheme } from "./theme.js";
 import { drawZoom, zoomable } from "./zoom.js";
 
@@ -327,6 +328,7 @@ function listen(store, engine) {
   measure(store, engine);
   zoomable(store, mapContents);
   compare(store);
+  tables(store);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));

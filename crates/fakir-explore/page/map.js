@@ -1,7 +1,7 @@
 // The contact map: pillars from above, coloured by their force, and the floor where it is in contact.
 
 import { engineeringText, significant } from "./numbers.js";
-import { centre, pillarsWithin, touchesFloor } from "./scene.js";
+import { centre, pillarsWithin, topRadius, touchesFloor } from "./scene.js";
 import { colour, letterSize, mixed, tint } from "./theme.js";
 
 /**
@@ -88,7 +88,8 @@ export function drawMap(canvas, contents, colours) {
   context.setTransform(scale, 0, 0, -scale, side / 2 - scale * middle[0], side / 2 + scale * middle[1]);
   const pixel = ratio / scale;
   // Pillars too small to be visible are drawn larger.
-  const pillar = Math.max(contents.scene.diameter_m / 2, 1.2 * pixel);
+  const listed = contents.scene.lattice.listed?.map(([, , diameter]) => diameter / 2) ?? [];
+  const pillar = Math.max(listed.length > 0 ? Math.min(...listed) : contents.scene.diameter_m / 2, 1.2 * pixel);
   /** @type {Sheet} */
   const sheet = { ...contents, context, halfWidth: half, middle, pixel, pillar };
   drawFloor(sheet);
@@ -188,9 +189,10 @@ function floorPressure(floor, x, y) {
  * Draws all pillar tops in view as not in contact.
  * @param {Sheet} sheet
  */
-function drawUntouched({ context, scene, halfWidth, middle, pillar: radius }) {
+function drawUntouched({ context, scene, halfWidth, middle, pillar: least }) {
   context.beginPath();
-  for (const [, , x, y] of pillarsWithin(scene.lattice, halfWidth + radius, middle)) {
+  for (const [i, , x, y] of pillarsWithin(scene.lattice, halfWidth + least, middle)) {
+    const radius = Math.max(least, topRadius(scene, i));
     context.moveTo(x + radius, y);
     context.arc(x, y, radius, 0, 2 * Math.PI);
   }
@@ -204,7 +206,7 @@ function drawUntouched({ context, scene, halfWidth, middle, pillar: radius }) {
  * @param {Colours} colours
  */
 function drawPillars(sheet, colours) {
-  const { context, scene, pixel, pillar: radius } = sheet;
+  const { context, scene, pixel, pillar } = sheet;
   const count = colours.length / 4;
   /** @type {Path2D[]} */
   const groups = Array.from({ length: count }, () => new Path2D());
@@ -213,9 +215,10 @@ function drawPillars(sheet, colours) {
   const parts = new Map(scene.parts.map((part) => [part.pillar, part.outline]));
   const partial = new Path2D();
   // Width of the ring around a partial contact.
-  const width = Math.max(1.5 * pixel, 0.3 * radius);
+  const width = Math.max(1.5 * pixel, 0.3 * pillar);
   scene.forces_N.forEach((force, k) => {
     const [x, y] = centre(scene, k);
+    const radius = Math.max(topRadius(scene, scene.pillars[2 * k]), 1.2 * pixel);
     const path =
       force < 0
         ? pulls[shade(force / scene.pull_N, PULLS)]
@@ -461,7 +464,7 @@ export function wordsAt(canvas, contents, event) {
       : `floor in contact, about ${engineeringText(pressure, "pressure", 2)}, ${place}`;
   for (let k = 0; k < scene.forces_N.length; k += 1) {
     const [a, b] = centre(scene, k);
-    if (Math.hypot(a - x, b - y) <= scene.diameter_m / 2) {
+    if (Math.hypot(a - x, b - y) <= topRadius(scene, scene.pillars[2 * k])) {
       const force = engineeringText(scene.forces_N[k] ?? 0, "force", 4);
       const covered = scene.parts.find(({ pillar }) => pillar === k)?.covered;
       const partly =

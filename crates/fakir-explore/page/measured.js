@@ -4,7 +4,8 @@ import { drawChart, extremes } from "./charts.js";
 import { Refused } from "./engine.js";
 import { engineeringText, significant, withPrefixes, write } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isAdhesive } from "./store.js";
+import { isAdhesive, tableOf } from "./store.js";
+import { base64Of, isTable, refusedMap, takeTable } from "./table.js";
 
 /**
  * @import { Place } from "./charts.js"
@@ -43,7 +44,7 @@ export function measure(store, engine) {
     const { chosen, contactPoint } = store.state;
     const point = free.length > 0 ? { contact_point_m: contactPoint } : {};
     try {
-      await engine.ask("fit", "fit", { case: chosen.case, curve, free, ...point }, (line) => {
+      await engine.ask("fit", "fit", { case: chosen.case, curve, free, ...point, ...tableOf(store.state, chosen.case) }, (line) => {
         if (line.progress) store.setData({ dataWords: `fitting: ${line.progress.stage} …` });
         if (line.measured && free.length === 0) {
           store.setData({ measured: line.measured, contactPoint: firstPoint(line.measured), dataWords: line.measured.notes.join("; ") });
@@ -70,6 +71,17 @@ export function measure(store, engine) {
     shown = chosen.case;
     if (fitted !== null) store.setData({ fitted: null });
   });
+  /**
+   * Takes a file that was dropped: a table of pillars, or a curve.
+   * @param {File} file
+   */
+  const dropped = async (file) => {
+    const text = await file.slice(0, 100_000).text();
+    const words = refusedMap(file.name, text);
+    if (words !== null) store.setData({ dataWords: words });
+    else if (isTable(text)) await takeTable(store, file);
+    else await open(file);
+  };
   const input = byId("curve-file", HTMLInputElement);
   byId("open-curve").addEventListener("click", () => input.click());
   input.addEventListener("change", () => {
@@ -81,7 +93,7 @@ export function measure(store, engine) {
   document.addEventListener("drop", (event) => {
     event.preventDefault();
     const file = event.dataTransfer?.files[0];
-    if (file !== undefined) void open(file);
+    if (file !== undefined) void dropped(file);
   });
   byId("contact-point").addEventListener("input", () => {
     const { measured } = store.state;
@@ -211,15 +223,4 @@ function wordsOf({ estimates, warnings, summary }) {
   };
   const time = `fitted in ${significant(summary.wall_time_s, 2)} s`;
   return [...estimates.map(one), ...warnings, summary.converged ? time : "the fit did not converge"].join("; ");
-}
-
-/**
- * @param {File} file
- * @returns {Promise<string>}
- */
-async function base64Of(file) {
-  const bytes = new Uint8Array(await file.arrayBuffer());
-  let text = "";
-  for (let k = 0; k < bytes.length; k += 0x8000) text += String.fromCharCode(...bytes.subarray(k, k + 0x8000));
-  return btoa(text);
 }

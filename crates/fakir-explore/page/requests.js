@@ -1,7 +1,7 @@
 // Sends the questions of the store to the engine, and puts the answers into the store.
 
 import { Refused } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical, isAdhesive } from "./store.js";
+import { isBusy, isWithoutFloor, knownCritical, isAdhesive, tableOf } from "./store.js";
 
 /**
  * @import { ApiPath, Background, Engine, Kind, Refusal } from "./engine.js"
@@ -143,7 +143,7 @@ export function answerQuestions(store, engine) {
     /** @type {Refusal | null} */
     let refusal = null;
     try {
-      whole = await engine.ask(kind, path, body, (line) => {
+      whole = await engine.ask(kind, path, { ...body, ...tableOf(store.state, question.case) }, (line) => {
         const take = () => store.receive(kind, question.number, line, performance.now());
         if (line.state && isWithoutFloor(line.state)) window.setTimeout(take, WITHOUT_FLOOR);
         else take();

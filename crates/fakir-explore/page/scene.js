@@ -204,7 +204,9 @@ export function centre(scene, k) {
  * @param {number} j
  * @returns {[number, number]}
  */
-function place({ vectors_m: [a, b], origin_m }, i, j) {
+function place({ vectors_m: [a, b], origin_m, listed }, i, j) {
+  const own = listed?.[i];
+  if (own !== undefined) return [own[0], own[1]];
   return [origin_m[0] + i * a[0] + j * b[0], origin_m[1] + i * a[1] + j * b[1]];
 }
 
@@ -216,6 +218,9 @@ function place({ vectors_m: [a, b], origin_m }, i, j) {
  * @returns {Generator<readonly [number, number, number, number]>}
  */
 export function* pillarsWithin(lattice, half, [right, up] = [0, 0]) {
+  for (const [k, [x, y]] of (lattice.listed ?? []).entries()) {
+    if (Math.abs(x - right) <= half && Math.abs(y - up) <= half) yield [k, 0, x, y];
+  }
   const [[a, b], [c, d]] = lattice.vectors_m;
   const [x0, y0] = lattice.origin_m;
   const area = a * d - b * c;
@@ -240,6 +245,16 @@ export function* pillarsWithin(lattice, half, [right, up] = [0, 0]) {
       yield [i, j, x + j * c, y + j * d];
     }
   }
+}
+
+/**
+ * Radius of the top of a pillar with this first index, m.
+ * @param {Scene} scene
+ * @param {number | undefined} i
+ * @returns {number}
+ */
+export function topRadius({ diameter_m, lattice }, i) {
+  return (lattice.listed?.[i ?? -1]?.[2] ?? diameter_m) / 2;
 }
 
 /**

@@ -16,6 +16,9 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
 export const FRACTION = "pattern.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "pattern.pitch";
+export const PILLARS = "pattern.pillars";
+/** The lattice of pillars that a table lists. */
+export const LISTED = "listed";
 export const LATTICE = "pattern.lattice";
 const PITCH_Y = "pattern.pitch_y";
 const LATTICE_ANGLE = "pattern.lattice_angle";
@@ -119,6 +122,14 @@ const LAST_RELEASE = 2;
 /** @typedef {"export" | "link" | keyof Texts} Notice */
 
 /**
+ * A table of pillars; `number` distinguishes tables of one name.
+ * @typedef {object} Table
+ * @property {string} name
+ * @property {string} base64
+ * @property {number} number
+ */
+
+/**
  * @typedef {object} Parts
  * @property {Start} start
  * @property {Chosen} chosen
@@ -151,6 +162,7 @@ const LAST_RELEASE = 2;
  * @property {{ readonly [about in Notice]?: string }} notices Short messages beside buttons, shown for a moment.
  * @property {Measured | null} measured The measured curve that the user has given.
  * @property {number} contactPoint Position of the measured curve at which the lens is level with the pillar tops, m.
+ * @property {Table | null} table The table of pillars that the user has given.
  * @property {Fitted | null} fitted The fit of the measured curve.
  * @property {string} dataWords How reading or fitting of the curve went.
  * @property {State | null} pinned The state of the case that stays beside the present one.
@@ -181,7 +193,7 @@ export class Store {
       start,
       chosen,
       typed: null,
-      question: newQuestion(1, chosen, asked),
+      question: newQuestion(1, chosen, asked, null),
       sent: 0,
       asking: { contact: null, curves: null, phase: null },
       lastTime: 100,
@@ -208,6 +220,7 @@ export class Store {
       contactPoint: 0,
       fitted: null,
       dataWords: "",
+      table: null,
       pinned: null,
       pinning: null,
       announcement: "",
@@ -257,7 +270,7 @@ export class Store {
       this.#change({ chosen, ...shownAt(this.#state.cycle, load) });
       return;
     }
-    const question = newQuestion(this.#state.question.number + 1, chosen, asked);
+    const question = newQuestion(this.#state.question.number + 1, chosen, asked, this.#state.table);
     this.#change({ chosen, typed, question });
   }
 
@@ -277,6 +290,14 @@ export class Store {
     }
     values[key] = value;
     if (key === LATTICE) Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
+    if (values[PILLARS] !== undefined && value !== LISTED && key === LATTICE) {
+      // Without a table the pattern is that of the first case, as far as it is not given.
+      delete values[PILLARS];
+      for (const [own, first] of Object.entries(this.#state.start.case)) {
+        if (own.startsWith("pattern.") && own !== LATTICE) values[own] ??= first;
+      }
+      if (values[PITCH] !== undefined) delete values[FRACTION];
+    }
     // Without adhesion neither its work on unloading nor the adhesion of the floor has a meaning.
     if (key === WORK && value === 0) {
       delete values[RECEDING];
@@ -340,6 +361,11 @@ export class Store {
   /** Removes the pinned case. */
   unpin() {
     this.#change({ pinning: null, pinned: null });
+  }
+
+  /** @param {Table} table */
+  setTable(table) {
+    this.#change({ table });
   }
 
   /** @param {string} announcement */
@@ -650,11 +676,24 @@ export function isBeyond(fraction) {
  * @param {number} number
  * @param {Chosen} chosen
  * @param {number} asked
+ * @param {Table | null} table
  * @returns {Question}
  */
-function newQuestion(number, chosen, asked) {
+function newQuestion(number, chosen, asked, table) {
   const { case: values, load } = chosen;
-  return { number, case: values, name: JSON.stringify(values), load, asked };
+  const version = values[PILLARS] === undefined ? "" : String(table?.number ?? 0);
+  return { number, case: values, name: `${JSON.stringify(values)}${version}`, load, asked };
+}
+
+/**
+ * The part of a question that contains the table of pillars, if the case has one.
+ * @param {State} state
+ * @param {Values} values
+ * @returns {{ table?: { name: string, base64: string } }}
+ */
+export function tableOf({ table }, values) {
+  if (table === null || values[PILLARS] !== table.name) return {};
+  return { table: { name: table.name, base64: table.base64 } };
 }
 
 /**

@@ -4,6 +4,7 @@
 use crate::clock::Moment;
 use crate::floor::FloorCells;
 use crate::lines;
+use crate::refusal::Refusal;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars, without_adhesion};
 use crate::worker::{Failure, Worker};
 use fakir::problem::{
@@ -238,7 +239,7 @@ pub(crate) struct CaseLine {
 
 /// `POST /api/contact`
 pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case)?;
+    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
     preview(&case, request.load, worker);
     let fraction = request.load.fraction;
@@ -383,6 +384,9 @@ pub(crate) struct DrawnLattice {
     range: Option<[i64; 2]>,
     /// Indices of missing pillars in view, in a flat list.
     missing: Vec<i64>,
+    /// Position and diameter of each pillar of a table, m, whose index is (i, 0).
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    listed: Vec<[f64; 3]>,
 }
 
 /// Radius within which missing pillars are sent, in multiples of the contact radius or the pitch.
@@ -413,7 +417,17 @@ pub(crate) fn drawn_lattice(system: &System, contact_radius: f64) -> DrawnLattic
             .flat_map(|(i, j)| [i, j])
             .collect()
     });
+    let listed = match system.arrangement() {
+        Arrangement::Listed(list) => {
+            let pillars = list.pillars().iter();
+            pillars
+                .map(|pillar| [pillar.centre[0], pillar.centre[1], pillar.diameter])
+                .collect()
+        }
+        _ => Vec::new(),
+    };
     DrawnLattice {
+        listed,
         vectors_m: vectors,
         origin_m: origin,
         range: cut.and_then(PlaneLattice::ends),
@@ -504,8 +518,15 @@ enum CurveLine {
 /// `POST /api/curves`: sends the fast curves first, then the exact one, coarse points first. All are without adhesion; the page
 /// states this.
 pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), Failure> {
-    let case = without_adhesion(&request::case(&request.case)?);
+    let case = without_adhesion(&request::case(&request.case, request.table.as_ref())?);
     let system = &case.system;
+    if matches!(system.arrangement(), Arrangement::Listed(_)) {
+        return Err(
+            Refusal::impossible("a table of pillars has no surface fraction to vary")
+                .accepted("a lattice")
+                .into(),
+        );
+    }
     let present = system.pattern().surface_fraction();
     let range = [FRACTIONS[0].min(0.5 * present), FRACTIONS[1].max(present)];
     let smooth: Vec<System> = spaced(range, 64)
@@ -647,7 +668,7 @@ pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
 /// `POST /api/phase`: the transition curve, and the loading of the case, also past the critical
 /// state.
 pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case)?;
+    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
     let system = &case.system;
     worker.send(&transition_line(system));

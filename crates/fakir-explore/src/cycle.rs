@@ -568,7 +568,7 @@ struct PartialTop {
 /// `POST /api/cycle`: sends the curve while it is computed, then the critical state and the whole cycle, then states along it, starting with
 /// the one at the requested load.
 pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case)?;
+    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
     answers::preview(
         &without_adhesion(&case),

@@ -2,23 +2,16 @@
 
 use crate::clock::Moment;
 use crate::refusal::Refusal;
-use crate::request::{self, Ticket, Values};
+use crate::request::{self, GivenFile, Ticket, Values};
 use crate::worker::{Failure, Worker};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD as BASE64;
 use fakir::state::Branch;
-use fakir_case::table_text::unpack_table;
 use fakir_inverse::fit::{
     Fit, FitError, FitOptions, FitSummary, Hints, Measurements, Parameter, Position, fit,
 };
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Largest size of a curve, unpacked, bytes.
 const LARGEST: u64 = 8_000_000;
-
-/// Longest name of a file, bytes.
-const LONGEST_NAME: usize = 250;
 
 /// `POST /api/fit`: reads a curve, and fits it if parameters are free.
 #[derive(Debug, Clone, Deserialize)]
@@ -26,22 +19,16 @@ const LONGEST_NAME: usize = 250;
 pub(crate) struct Request {
     pub(crate) ticket: Ticket,
     case: Values,
-    curve: Curve,
+    /// Contents of the table of pillars, if the case names one.
+    #[serde(default)]
+    table: Option<GivenFile>,
+    curve: GivenFile,
     /// Names of the parameters to fit; none only reads the curve.
     #[serde(default)]
     free: Vec<String>,
     /// Contact point, m: value, or initial value if it is free.
     #[serde(default)]
     contact_point_m: Option<f64>,
-}
-
-/// A file.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Curve {
-    name: String,
-    /// Its contents.
-    base64: String,
 }
 
 #[derive(Serialize)]
@@ -126,8 +113,8 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
     }
     let free: Result<Vec<Parameter>, Refusal> =
         request.free.iter().map(|name| parameter(name)).collect();
-    let case = request::case(&request.case)?;
-    let file = fakir_case::CaseFile::parse("the page", &case.to_toml()).map_err(Refusal::from)?;
+    request::case(&request.case, request.table.as_ref())?;
+    let file = request::file(&request.case, request.table.as_ref())?;
     let options = FitOptions {
         contact_point: request.contact_point_m.filter(|point| point.is_finite()),
         ..FitOptions::default()
@@ -162,14 +149,8 @@ fn shown(data: &Measurements, fitted: &Fit, wall_time: f64) -> Fitted {
     }
 }
 
-fn read(curve: &Curve) -> Result<Measurements, Refusal> {
-    if curve.name.len() > LONGEST_NAME {
-        return Err(of_curve("the name of the file is too long"));
-    }
-    let bytes = BASE64.decode(&curve.base64);
-    let bytes = bytes.map_err(|error| Refusal::malformed(format!("not such a file: {error}")))?;
-    let text = unpack_table(Path::new(&curve.name), bytes, LARGEST)
-        .map_err(|error| of_curve(format!("{}: {error}", curve.name)))?;
+fn read(curve: &GivenFile) -> Result<Measurements, Refusal> {
+    let text = curve.contents("curve", LARGEST)?;
     Measurements::from_bytes(&curve.name, &text, &Hints::default())
         .map_err(|error| of_curve(error.to_string()))
 }

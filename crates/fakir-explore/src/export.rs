@@ -37,7 +37,7 @@ const PNG: &str = "image/png";
 /// `POST /api/export`: `case.toml`, `summary.json`, `pillars.csv`, or a figure such as
 /// `pressure-map.svg` or `profiles.png`.
 pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case)?;
+    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
     let (name, extension) = request.file.rsplit_once('.').unwrap_or_default();
     let file = match (name, extension) {

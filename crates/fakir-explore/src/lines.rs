@@ -61,6 +61,10 @@ fn command(case: &Case, question: Question) -> String {
         let same = example.value(key).as_ref() == Some(&value);
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
+    if case.system.arrangement().name() == "listed" {
+        let question = question.replace("case.toml", "fakir-case.toml");
+        return format!("# the saved case file, beside the table of pillars\n{question}\n");
+    }
     let changes: String = changes.collect();
     format!("fakir init case.toml &&\n{question}{changes}\n")
 }
@@ -71,8 +75,11 @@ fn argument(key: Key, value: &str) -> String {
     format!("{}={value}", key.path())
 }
 
-/// The equivalent Python code.
+/// The equivalent Python code. The pillars of a table are those of the case file.
 fn python(case: &Case, question: Question) -> String {
+    if case.system.arrangement().name() == "listed" {
+        return listed(case, question);
+    }
     let [lens, substrate, pattern, pillar, method] =
         ["lens", "substrate", "pattern", "pattern.pillar", "method"]
             .map(|table| arguments(case, table));
@@ -115,6 +122,24 @@ fn python(case: &Case, question: Question) -> String {
                  {pattern},\n    \
              ),\n{floor}{adhesion}\
          )\n{question}"
+    )
+}
+
+/// Python code with the pillars of a table, which the saved case file names.
+fn listed(case: &Case, question: Question) -> String {
+    let method = arguments(case, "method");
+    let question = match question {
+        Question::Contact(None) => {
+            format!("critical = system.transition({method})\nprint(critical.force, \"N\")\n")
+        }
+        Question::Contact(Some(indentation)) => format!(
+            "state = system.press(indentation=\"{}\", {method})\nprint(state.force, \"N\")\n",
+            format_quantity(indentation, Dimension::Length)
+        ),
+        Question::Cycle => "cycle = system.cycle()\nprint(cycle)\n".to_owned(),
+    };
+    format!(
+        "import fakir\n\nsystem = fakir.System.from_file(\"fakir-case.toml\")  # the saved case file, beside the table\n{question}"
     )
 }
 

@@ -45,6 +45,7 @@ const FILES: &[(&str, &str, &str)] = &[
     script!("shown"),
     script!("sketch"),
     script!("store"),
+    script!("table"),
     script!("theme"),
     script!("zoom"),
 ];

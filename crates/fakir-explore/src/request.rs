@@ -1,20 +1,27 @@
 //! Requests: a case by its keys, and a load on the path to the critical state.
 
 use crate::refusal::Refusal;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{Arrangement, Base, HexagonalLattice, System};
+use fakir::problem::{Arrangement, Base, HexagonalLattice, PillarList, Point as Point2, System};
 use fakir::solve::homogenised;
+use fakir_case::table_text::unpack_table;
 use fakir_case::{Case, CaseFile, Key, Setting};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// Longest text of a value, bytes.
 const LONGEST_TEXT: usize = 100;
 
 /// Largest number of pillars in a computation; more would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
+
+/// Largest number of pillars in a table.
+const MOST_LISTED: f64 = 5_000.0;
 
 /// Largest load of a request; the critical state is at 1.
 pub(crate) const FARTHEST: f64 = 2.5;
@@ -35,12 +42,42 @@ pub(crate) struct Ticket {
 /// A case by its keys, as `{"lens.radius": 2.2e-3, ...}`.
 pub(crate) type Values = BTreeMap<String, Setting>;
 
+/// A file that the page sends.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct GivenFile {
+    pub(crate) name: String,
+    /// Its contents.
+    base64: String,
+}
+
+/// Longest name of a file, bytes.
+const LONGEST_NAME: usize = 250;
+
+impl GivenFile {
+    /// Its contents, unpacked, of at most `largest` bytes. `key` names it in errors.
+    pub(crate) fn contents(&self, key: &str, largest: u64) -> Result<Vec<u8>, Refusal> {
+        let refused = |words: String| Refusal::impossible(words).at(key);
+        if self.name.len() > LONGEST_NAME {
+            return Err(refused("the name of the file is too long".to_owned()));
+        }
+        let bytes = BASE64
+            .decode(&self.base64)
+            .map_err(|error| Refusal::malformed(format!("not such a file: {error}")))?;
+        unpack_table(Path::new(&self.name), bytes, largest)
+            .map_err(|error| refused(format!("{}: {error}", self.name)))
+    }
+}
+
 /// `POST /api/contact`, `/api/cycle`, and `/api/phase`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct AtLoad {
     pub(crate) ticket: Ticket,
     pub(crate) case: Values,
+    /// Contents of the table of pillars, if the case names one.
+    #[serde(default)]
+    pub(crate) table: Option<GivenFile>,
     #[serde(default)]
     pub(crate) load: LoadPoint,
 }
@@ -51,6 +88,9 @@ pub(crate) struct AtLoad {
 pub(crate) struct Curves {
     pub(crate) ticket: Ticket,
     pub(crate) case: Values,
+    /// Contents of the table of pillars, if the case names one.
+    #[serde(default)]
+    pub(crate) table: Option<GivenFile>,
 }
 
 /// `POST /api/export`
@@ -59,6 +99,9 @@ pub(crate) struct Curves {
 pub(crate) struct Export {
     pub(crate) ticket: Ticket,
     pub(crate) case: Values,
+    /// Contents of the table of pillars, if the case names one.
+    #[serde(default)]
+    pub(crate) table: Option<GivenFile>,
     #[serde(default)]
     pub(crate) load: LoadPoint,
     pub(crate) file: String,
@@ -146,13 +189,81 @@ pub(crate) fn of_case(case: &Case) -> Values {
         .collect()
 }
 
-/// Builds the case of the given values.
-pub(crate) fn case(values: &Values) -> Result<Case, Refusal> {
+/// Largest size of a table of pillars, unpacked, bytes.
+const LARGEST_TABLE: u64 = 8_000_000;
+
+/// The case of the given values, as a case file.
+pub(crate) fn file(values: &Values, table: Option<&GivenFile>) -> Result<CaseFile, Refusal> {
     let settings: Result<Vec<_>, Refusal> = values
         .iter()
         .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
         .collect();
-    let case = CaseFile::from_settings("the page", settings?).case()?;
+    let file = CaseFile::from_settings("the page", settings?);
+    let named = match values.get(Key::Pillars.path()) {
+        Some(Setting::Word(name)) => name,
+        _ => return Ok(file),
+    };
+    // No file is read from the disk.
+    let Some(table) = table.filter(|table| table.name == *named) else {
+        let words = format!("the table of pillars `{named}` is not part of a link");
+        return Err(Refusal::impossible(words)
+            .at(Key::Lattice.path())
+            .accepted("open the file again, or choose a lattice"));
+    };
+    let contents = table.contents(Key::Lattice.path(), LARGEST_TABLE)?;
+    let file = file.with_table(named, &contents);
+    let axis = [Key::AxisX, Key::AxisY];
+    if axis.iter().any(|key| values.contains_key(key.path())) {
+        return Ok(file);
+    }
+    let case = file.case()?;
+    let Arrangement::Listed(list) = case.system.arrangement() else {
+        return Ok(file);
+    };
+    let settings = values
+        .iter()
+        .map(|(path, value)| Ok((known(path)?, value.clone())));
+    let settings: Result<Vec<_>, Refusal> = settings.collect();
+    let middle = middle_pillar(list).map(Setting::Number);
+    let settings = settings?.into_iter().chain(axis.into_iter().zip(middle));
+    Ok(CaseFile::from_settings("the page", settings).with_table(named, &contents))
+}
+
+/// Position of the pillar nearest to the middle of all pillars, m: the lens axis, unless it is given.
+fn middle_pillar(list: &PillarList) -> Point2 {
+    let centres = || list.pillars().iter().map(|pillar| pillar.centre);
+    let middle = [0, 1].map(|axis| {
+        let ends = centres().map(|centre| centre[axis]);
+        let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
+            (low.min(at), high.max(at))
+        });
+        0.5 * (low + high)
+    });
+    let distance = |[x, y]: Point2| (x - middle[0]).hypot(y - middle[1]);
+    centres()
+        .min_by(|one, other| distance(*one).total_cmp(&distance(*other)))
+        .unwrap_or_default()
+}
+
+/// Builds the case of the given values.
+pub(crate) fn case(values: &Values, table: Option<&GivenFile>) -> Result<Case, Refusal> {
+    let case = file(values, table)?.case()?;
+    if let Arrangement::Listed(list) = case.system.arrangement()
+        && table.is_some()
+    {
+        let pillars = list.pillars().len();
+        if pillars as f64 > MOST_LISTED {
+            let words = format!(
+                "a table of {pillars} pillars is more than the page computes while one waits"
+            );
+            return Err(Refusal::impossible(words)
+                .at(Key::Lattice.path())
+                .accepted(format!(
+                    "at most {MOST_LISTED} pillars; `fakir transition` has no such limit"
+                )));
+        }
+        return Ok(case);
+    }
     if let Some((key, shown, words)) = not_shown(&case) {
         let accepted = format!("{words}; fakir transition and fakir press answer all others");
         return Err(Refusal::impossible(shown).at(key.path()).accepted(accepted));
@@ -331,11 +442,11 @@ mod tests {
     #[test]
     fn the_case_is_that_of_a_case_file_to_the_bit() {
         let example = Case::example();
-        assert_eq!(case(&values(&example)).unwrap(), example);
+        assert_eq!(case(&values(&example), None).unwrap(), example);
         let mut in_si = values(&example);
         in_si.insert("lens.radius".to_owned(), Setting::Number(2.2e-3));
-        assert_eq!(case(&in_si).unwrap(), example);
-        assert_eq!(case(&of_case(&example)).unwrap(), example);
+        assert_eq!(case(&in_si, None).unwrap(), example);
+        assert_eq!(case(&of_case(&example), None).unwrap(), example);
     }
 
     /// A half-space has no thickness; only rigid bases are supported.
@@ -344,7 +455,7 @@ mod tests {
         let mut film = values(&Case::example());
         assert!(!film.keys().any(|path| path.ends_with("thickness")));
         film.insert("substrate.thickness".to_owned(), Setting::Number(2e-4));
-        let layered = case(&film).unwrap();
+        let layered = case(&film, None).unwrap();
         let expected = fakir::problem::Layer::new(2e-4);
         assert_eq!(layered.system.substrate_layer(), Some(&expected));
         assert_eq!(
@@ -353,7 +464,7 @@ mod tests {
         );
         let sliding = Setting::Word("frictionless".to_owned());
         film.insert("substrate.base".to_owned(), sliding);
-        let message = serde_json::to_string(&case(&film).unwrap_err()).unwrap();
+        let message = serde_json::to_string(&case(&film, None).unwrap_err()).unwrap();
         assert!(message.contains("\"key\":\"substrate.base\""), "{message}");
     }
 
@@ -361,7 +472,7 @@ mod tests {
     fn too_many_pillars_are_refused_with_what_is_accepted() {
         let mut dense = values(&Case::example());
         dense.insert("pattern.surface_fraction".to_owned(), Setting::Number(0.6));
-        let refusal = case(&dense).unwrap_err();
+        let refusal = case(&dense, None).unwrap_err();
         let message = serde_json::to_string(&refusal).unwrap();
         assert!(
             message.contains("\"key\":\"pattern.surface_fraction\""),
@@ -387,7 +498,7 @@ mod tests {
         for text in ["\"\nlens.radius = 1", "\\", "\u{7f}\u{0}", "a\"b"] {
             let mut odd = values(&Case::example());
             odd.insert("method.name".to_owned(), Setting::Word(text.to_owned()));
-            let message = serde_json::to_string(&case(&odd).unwrap_err()).unwrap();
+            let message = serde_json::to_string(&case(&odd, None).unwrap_err()).unwrap();
             assert!(message.contains("\"key\":\"method.name\""), "{message}");
         }
     }

@@ -97,6 +97,7 @@ fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
             entries,
             folder: folder.to_owned(),
             pillars: None,
+            table: None,
             profile: None,
         },
         Some((name, place)) => {

@@ -169,3 +169,89 @@ fn base64(bytes: &[u8]) -> String {
     };
     bytes.chunks(3).map(of_three).collect()
 }
+
+/// A case with a table of pillars, given as text.
+fn with_table(text: &str) -> Value {
+    let mut values = case(0.01);
+    let values_of = values.as_object_mut().unwrap();
+    values_of.retain(|key, _| !key.starts_with("pattern.") || key.starts_with("pattern.pillar."));
+    values["pattern.lattice"] = json!("listed");
+    values["pattern.pillars"] = json!("sample.csv");
+    let mut body = question(1, &values);
+    body["table"] = json!({ "name": "sample.csv", "base64": base64(text.as_bytes()) });
+    body
+}
+
+/// The expected number is that of the finite square lattice with pillars at the same positions. The coordinates of the table start at a
+/// corner: the lens axis is that of the pillar in the middle.
+#[test]
+fn a_table_of_pillars_has_the_contact_of_its_lattice() {
+    let mut file = example().to_file("lattice").unwrap();
+    for change in [
+        "pattern.lattice=square",
+        "pattern.pitch=30um",
+        "pattern.columns=9",
+    ] {
+        file.set(change).unwrap();
+    }
+    let system = file.case().unwrap().system;
+    let expected = fakir::transition(&system, Method::default(), &Run::default()).unwrap();
+    let mut text = "x_um,y_um\n".to_owned();
+    for (column, row) in (0..9).flat_map(|column| (0..9).map(move |row| (column, row))) {
+        text += &format!("{},{}\n", 100 + 30 * column, 30 * row);
+    }
+    let lines = lines("contact", &with_table(&text));
+    let critical = line(&lines, "critical");
+    let force = critical["critical_force_N"].as_f64().unwrap();
+    assert!(
+        (force / expected.contact.force - 1.0).abs() < 1e-9,
+        "{force}"
+    );
+    let listed = line(&lines, "state")["lattice"]["listed"]
+        .as_array()
+        .unwrap();
+    assert_eq!(listed.len(), 81);
+    let nearest = listed
+        .iter()
+        .filter_map(|it| Some(it[0].as_f64()?.hypot(it[1].as_f64()?)));
+    assert!(nearest.fold(f64::INFINITY, f64::min) < 1e-12);
+    // The case file names the table.
+    let toml = line(&lines, "case")["toml"].as_str().unwrap();
+    assert!(toml.contains("pillars = \"sample.csv\""), "{toml}");
+}
+
+#[test]
+fn tables_of_pillars_that_cannot_be_read_are_refused_in_words() {
+    let many = |count: u32| {
+        (0..count)
+            .map(|k| format!("{}\n", 20 * k))
+            .collect::<String>()
+    };
+    let mut link = with_table("x_um,y_um\n0,0\n");
+    link.as_object_mut().unwrap().remove("table");
+    for (body, words) in [
+        (with_table("x_um,y_um\n0,zero\n"), "line 2"),
+        (with_table("x_um,y_um\n0,0\n3,0\n"), "overlaps"),
+        (with_table("position\n0\n"), "x_m"),
+        (
+            with_table(&format!("x_um,y_um\n{}", many(6000).replace('\n', ",0\n"))),
+            "6000 pillars",
+        ),
+        (link, "not part of a link"),
+    ] {
+        let lines = lines("contact", &body);
+        let message = lines[0]["refused"].to_string();
+        assert!(message.contains(words), "{message}");
+    }
+    let curves = lines("curves", &{
+        let mut body = with_table("x_um,y_um\n0,0\n30,0\n");
+        body.as_object_mut().unwrap().remove("load");
+        body
+    });
+    assert!(
+        curves[0]["refused"]
+            .to_string()
+            .contains("surface fraction"),
+        "{curves:?}"
+    );
+}

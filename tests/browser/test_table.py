@@ -1,0 +1,90 @@
+"""Pillars of a table that is opened or dropped on the page, and files that are refused."""
+
+import time
+from pathlib import Path
+
+import pytest
+from test_explorer import paper
+
+# Drops a file with this name and text on the page.
+DROP = """([name, text]) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], name));
+    document.body.dispatchEvent(new DragEvent("drop", { bubbles: true, cancelable: true, dataTransfer: data }));
+}"""
+
+
+def square(pitch, count, sizes=""):
+    """A square of pillars, with coordinates from a corner, um."""
+    places = [(i, k) for i in range(count) for k in range(count)]
+    rows = [f"{i * pitch},{k * pitch}{sizes and f',{2.2 - 0.2 * (i % 2)},{6 + (k % 2)}'}" for i, k in places]
+    return "\n".join([f"x_um,y_um{sizes}", *rows]) + "\n"
+
+
+def dropped(page, name, text):
+    page.page.evaluate(DROP, [name, text])
+
+
+def test_a_table_of_pillars_is_dropped(explore):
+    """The numbers are those of the finite square lattice with the same pillars, which has a control for its columns."""
+    lattice = explore("#" + "&".join([
+        *(each for each in paper(0.01) if "surface_fraction" not in each),
+        "pattern.lattice=square", "pattern.pitch=0.00003", "pattern.columns=9",
+    ]))
+    page = explore("#" + "&".join(paper(0.01)))
+    start = time.monotonic()
+    dropped(page, "sample.csv", square(30, 9))
+    page.until("location.hash.includes('sample.csv')")
+    page.rest()
+    assert time.monotonic() - start < 10
+    assert page.results() == lattice.results()
+    assert page.text("pillars") == lattice.text("pillars")
+    assert page.page.input_value("#pattern-lattice") == "listed"
+    assert "pillars = \"sample.csv\"" in page.text("case-file")
+    # A quantity is changed, and the table stays.
+    for each in (page, lattice):
+        each.enter("substrate.young_modulus", "4 MPa")
+    assert page.results() == lattice.results()
+    # The curves need a lattice, and say so.
+    page.until("document.getElementById('curves-status').textContent.includes('surface fraction')")
+    page.page.select_option("#pattern-lattice", "hexagonal")
+    page.rest()
+    assert page.page.locator("#problem").is_hidden()
+    assert page.page.input_value("#pattern-surface_fraction") != ""
+
+
+def test_heights_and_diameters_of_a_table_are_used(explore, tmp_path):
+    page = explore("#" + "&".join(paper(0.01)))
+    table = tmp_path / "sizes.csv"
+    table.write_text(square(30, 7, ",height_um,diameter_um"))
+    page.page.set_input_files("#table-file", str(table))
+    page.until("location.hash.includes('sizes.csv')")
+    page.rest()
+    assert page.page.locator("#problem").is_hidden()
+    assert page.results()[0] != "–"
+    page.page.click("#export-menu summary")
+    with page.page.expect_download() as saved:
+        page.page.click("[data-file='case.toml']")
+    text = Path(saved.value.path()).read_text()
+    assert 'pillars = "sizes.csv"' in text and "axis_x" in text
+    # A link does not contain the table.
+    again = explore("#" + page.page.url.split("#")[1])
+    assert "not part of a link" in again.text("pattern-lattice-note")
+
+
+@pytest.mark.parametrize(
+    "name, text, words",
+    [
+        ("heights.npy", "\x93NUMPY", "is a height map"),
+        ("heights.txt", "\n".join(["0.1 " * 20] * 20), "is a height map"),
+        ("apart.csv", "x_um,y_um\n0,zero\n", "line 2"),
+        ("apart.csv", "x_um,y_um\n0,0\n3,0\n", "overlaps"),
+    ],
+)
+def test_other_files_are_refused_in_words(explore, name, text, words):
+    page = explore("#" + "&".join(paper(0.01)))
+    before = page.results()
+    dropped(page, name, text)
+    found = "document.getElementById('data-words').textContent + document.getElementById('problem').textContent"
+    page.until(f"({found}).includes({words!r})")
+    assert page.results() == before
