@@ -115,3 +115,22 @@ def test_the_map_is_saved_as_shown(explore, tmp_path):
         page.page.keyboard.press("Escape")
     assert all(picture.startswith(b"\x89PNG") for picture in pictures)
     assert pictures[0] != pictures[1]
+
+
+def test_a_printed_page_is_light_and_has_no_controls(explore):
+    """The map is a picture with three pixels for each of the screen, in which the pillars are seen."""
+    page = explore("#" + "&".join(paper(0.03)), color_scheme="dark")
+    page.page.emulate_media(media="print", color_scheme="dark")
+    page.until("document.getElementById('map').width === 3 * document.getElementById('map').clientWidth")
+    assert page.page.evaluate("() => getComputedStyle(document.documentElement).colorScheme") == "light"
+    colours = page.page.evaluate("""() => {
+        const map = document.getElementById("map");
+        const context = map.getContext("2d");
+        return [[0.05, 0.5], [0.508, 0.506]].map(([x, y]) =>
+            [...context.getImageData(Math.floor(x * map.width), Math.floor(y * map.height), 1, 1).data]);
+    }""")
+    # The floor of the light style, and the pillar at the axis, beside its cross, in the last colour of the map.
+    assert min(colours[0][:3]) > 150
+    assert colours[1][0] > 200 and colours[1][2] < 100
+    for button in ("#open-table", "#open-curve", "#zoom-in", "#compare-button", "#play"):
+        assert page.page.locator(button).is_hidden()

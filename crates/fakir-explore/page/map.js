@@ -22,7 +22,7 @@ import { colour, letterSize, mixed, tint } from "./theme.js";
 
 /**
  * @typedef {object} Canvas
- * @property {CanvasRenderingContext2D} context
+ * @property {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @property {number} halfWidth Half the width of the part that is shown, m.
  * @property {Point} middle Its centre, m.
  * @property {number} pixel Width of a pixel of the screen, m.
@@ -33,6 +33,9 @@ import { colour, letterSize, mixed, tint } from "./theme.js";
  * A canvas whose coordinates are metres from the lens axis.
  * @typedef {MapContents & Canvas} Sheet
  */
+
+/** Pixels of a printed map for each of the screen. */
+const PRINTED = 3;
 
 /** Distances between ticks are one of these times a power of ten. */
 const ROUND = [1, 2, 5, 10];
@@ -74,12 +77,16 @@ function shownPart(contents) {
  * @param {Colours} colours
  */
 export function drawMap(canvas, contents, colours) {
-  const context = canvas.getContext("2d");
-  if (context === null) return;
-  const ratio = window.devicePixelRatio || 1;
+  const own = canvas.getContext("2d");
+  if (own === null) return;
+  // A printed canvas would repeat the lines, with too few digits for coordinates in metres: paper has a picture, with finer pixels.
+  const isPrinted = matchMedia("print").matches;
+  const ratio = isPrinted ? PRINTED : window.devicePixelRatio || 1;
   const side = Math.round(canvas.clientWidth * ratio);
   if (side === 0) return;
   if (canvas.width !== side) canvas.width = canvas.height = side;
+  const context = isPrinted ? new OffscreenCanvas(side, side).getContext("2d") : own;
+  if (context === null) return;
   const { half, middle } = shownPart(contents);
   const scale = side / (2 * half);
   context.setTransform(1, 0, 0, 1, 0, 0);
@@ -98,6 +105,7 @@ export function drawMap(canvas, contents, colours) {
   drawMarks(sheet);
   context.setTransform(1, 0, 0, 1, 0, 0);
   drawAxes(context, side, scale, middle, ratio);
+  if (context !== own) own.drawImage(context.canvas, 0, 0);
   canvas.setAttribute("aria-label", contents.scene.words);
 }
 
@@ -333,7 +341,7 @@ function drawMarks({ context, scene, pixel }) {
 
 /**
  * Draws ticks with their distances from the lens axis along the lower and the left edge.
- * @param {CanvasRenderingContext2D} context
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {number} side
  * @param {number} scale
  * @param {Point} middle
@@ -384,7 +392,7 @@ function tickWords(value, step) {
 
 /**
  * Writes words on a veil, and leaves the colour of the ink.
- * @param {CanvasRenderingContext2D} context
+ * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {string} words
  * @param {number} left
  * @param {number} base
