@@ -7,7 +7,7 @@ use crate::record::{
 };
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{
-    Feature, InvalidProtocol, Load, Question, Solver, SurfaceSystem, Unsupported,
+    Accuracy, Feature, InvalidProtocol, Load, Method, Question, Solver, SurfaceSystem, Unsupported,
 };
 use fakir::state::{
     AsperityContact, Contact, ContactState, Critical, CriticalState, FlatContact, Run, Solution,
@@ -238,6 +238,15 @@ impl Loadable for Case {
     fn check_history(&self) -> Result<(), SolveError> {
         let features = Feature::of(&self.system);
         Ok(Question::Hold.check(self.method.into(), &features)?)
+    }
+
+    // Kinks at each ring of pillars. Contacts take milliseconds where many are needed: with few pillars.
+    fn curve_accuracy(&self) -> (f64, usize) {
+        match self.method {
+            Method::Spectral(Accuracy::Default) => (2e-4, 160),
+            Method::Spectral(Accuracy::Accurate) => (2e-5, 500),
+            _ => (2e-4, 40),
+        }
     }
 
     fn state(&self, state: LoadingState<&ContactState>) -> Record {

@@ -185,7 +185,7 @@ fn creep_of_a_hold() {
 }
 
 /// Data of a glass lens on pillars with floor: loading past the transition, a hold, and unloading. Expected: the history from which they are. One
-/// elastic curve, of at most 40 contacts, serves the fit.
+/// elastic curve, of at most 160 contacts, serves the fit.
 #[test]
 fn pillars_with_floor_and_unloading() {
     let mut truth = CaseFile::parse("case", &fakir_case::Case::example().to_toml()).unwrap();
@@ -245,7 +245,7 @@ fn pillars_with_floor_and_unloading() {
     close(value(&found, MODULUS), young_modulus, 3e-3);
     close(value(&found, STRENGTH), 1.0, 1e-2);
     close(value(&found, TIME), 20.0, 2e-2);
-    assert!(found.solutions < 60, "{}", found.solutions);
+    assert!(found.solutions < 170, "{}", found.solutions);
 }
 
 /// What cannot be fitted is refused with the reason.

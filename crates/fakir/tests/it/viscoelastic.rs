@@ -502,6 +502,9 @@ fn relaxation_on_a_flat_surface() {
     assert!((last(&found).force / relaxed - relaxation.at(100.0)).abs() < 1e-9);
 }
 
+/// Measured loads in a segment.
+const READINGS: u32 = 24;
+
 /// A course of indentations as it is measured: in steps of equal durations.
 fn readings(course: &[[f64; 2]], of: impl Fn(f64) -> f64) -> Vec<MeasuredLoad> {
     let mut readings = vec![MeasuredLoad {
@@ -510,8 +513,8 @@ fn readings(course: &[[f64; 2]], of: impl Fn(f64) -> f64) -> Vec<MeasuredLoad> {
     }];
     let (mut time, mut from) = (0.0, 0.0);
     for [to, duration] in course {
-        for k in 1..=60 {
-            let part = f64::from(k) / 60.0;
+        for k in 1..=READINGS {
+            let part = f64::from(k) / f64::from(READINGS);
             readings.push(MeasuredLoad {
                 time: time + part * duration,
                 load: of(from + part * (to - from)),
@@ -551,7 +554,7 @@ fn measured_loads_are_those_of_a_protocol() {
     assert!(found.iter().any(|state| state.by == Approximation::Steps));
     // On the ramp exactly, by the hereditary integral of Lee and Radok.
     let speed: f64 = 0.15;
-    for state in &found[1..60] {
+    for state in &found[1..READINGS as usize] {
         let t = state.time;
         let expected = integral(0.0, t.sqrt(), |u| {
             relaxation.at(t - u * u) * 1.5 * STIFFNESS * speed.powf(1.5) * 2.0 * u * u
