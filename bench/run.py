@@ -6,6 +6,7 @@
     python3 bench/run.py surfaces
     python3 bench/run.py adhesion
     python3 bench/run.py limits
+    python3 bench/run.py viscoelastic
 """
 
 import argparse
@@ -17,9 +18,10 @@ import elements
 import limits
 import surfaces
 import texture
+import viscoelastic
 
 PARTS = {"texture": texture.run, "elements": elements.run, "surfaces": surfaces.run, "adhesion": adhesion.run,
-         "limits": limits.run}
+         "limits": limits.run, "viscoelastic": viscoelastic.run}
 
 
 def main():
