@@ -303,3 +303,24 @@ def test_rows_are_selected(tmp_path):
         data.select([None, None], 3, None, [None, None])
     with pytest.raises(ValueError, match='give "loading" or "unloading"'):
         data.select([None, None], None, "up", [None, None])
+
+
+def test_the_relaxation_of_viscoelastic_bodies():
+    """Expected: under an indentation that is reached at once and held F = F_relaxed (1 + 0.8 exp(-t/12 s)), exactly."""
+    rubber = fakir.Substrate(1.6e6, 0.5)
+    system = fakir.FlatSystem(fakir.ParaboloidLens(2e-3, 70e9, 0.2), rubber)
+    relaxed = system.press(indentation=3e-6).force
+    times = np.arange(0.0, 60.0, 1.0)
+    data = {
+        "time_s": times,
+        "indentation_m": np.full(times.size, 3e-6),
+        "force_N": relaxed * (1.0 + 0.8 * np.exp(-times / 12.0)) * (1.0 + 1e-5 * np.cos(7.0 * times)),
+    }
+    start = system.replace({"relaxation.strengths": "[0.5]", "relaxation.times": "[30 s]"})
+    free = ["substrate.young_modulus", "relaxation.strengths[0]", "relaxation.times[0]"]
+    with pytest.warns(fakir.FakirWarning, match="the first row is in contact already"):
+        found = fakir.fit(data, start, free)
+    values = [found[name].value for name in free]
+    assert values == pytest.approx([1.6e6, 0.8, 12.0], rel=1e-4)
+    with pytest.warns(fakir.FakirWarning, match="the forces depend on the rate"):
+        fakir.fit(data, system, ["substrate.young_modulus"])
