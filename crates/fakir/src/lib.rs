@@ -79,7 +79,9 @@ pub mod theory;
 mod verify;
 
 pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
-pub use verify::{Difference, InconclusiveReason, Verdict, Verification, verify};
+pub use verify::{
+    Difference, FlatVerification, InconclusiveReason, Verdict, Verification, verify, verify_flat,
+};
 
 /// Former name of [`InconclusiveReason`].
 #[deprecated(note = "renamed to `InconclusiveReason`")]

@@ -4,6 +4,10 @@
 //! exact for a disc, the other divides the disc into squares. If they agree within their error estimates, both are confirmed. If one of
 //! them did not converge, or has no significant digit, the comparison is inconclusive.
 
+mod flat;
+
+pub use flat::{FlatVerification, verify_flat};
+
 use crate::method::press;
 use crate::numerics::convergence::{larger, within};
 use crate::problem::{
@@ -55,6 +59,8 @@ impl Verdict {
         let allowed = allowed.fold(0.0, larger);
         if let Some(doubt) = failed {
             Self::CannotTell(doubt)
+        } else if allowed.is_nan() {
+            Self::CannotTell(InconclusiveReason::NoErrors)
         } else if !differences.iter().all(Difference::is_allowed) {
             Self::Disagree
         } else if within(NO_DIGITS, allowed) {
@@ -95,6 +101,15 @@ pub enum InconclusiveReason {
         /// Why its solver stopped.
         termination: Termination,
     },
+    /// A contact with a flat surface did not converge.
+    FlatNotConverged {
+        /// Cells across the contact; `None` of the disc.
+        cells: Option<usize>,
+        /// Why its solver stopped.
+        termination: Termination,
+    },
+    /// There are too few cells for error estimates.
+    NoErrors,
     /// The error estimates allow a difference as large as the values themselves.
     NoDigits {
         /// Sum of the error estimates, relative.
@@ -123,6 +138,23 @@ impl std::fmt::Display for InconclusiveReason {
                 method.name(),
                 termination.description()
             ),
+            Self::FlatNotConverged {
+                cells: Some(cells),
+                termination,
+            } => write!(
+                f,
+                "the solution with boundary elements, {cells} cells across the contact, {}",
+                termination.description()
+            ),
+            Self::FlatNotConverged {
+                cells: None,
+                termination,
+            } => write!(
+                f,
+                "the solution with one disc of contact {}",
+                termination.description()
+            ),
+            Self::NoErrors => f.write_str("there are too few cells to estimate the error"),
             Self::NoDigits { allowed } => write!(
                 f,
                 "no digit is significant: the error estimates allow a difference of {:.0} %",

@@ -9,6 +9,7 @@
 
 mod active;
 mod closing;
+pub(crate) mod flat;
 pub(crate) mod pattern;
 pub(crate) mod pillars;
 pub mod separation;
