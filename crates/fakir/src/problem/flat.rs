@@ -260,6 +260,17 @@ impl FlatSystem {
             },
         }
     }
+
+    /// Derivative of the [depth](Self::depth) by the radius of the lens. Zero under a profile and a punch, which have none.
+    pub(crate) fn depth_by_lens_radius(&self, radius: f64) -> f64 {
+        match self.lens().map(|lens| &lens.shape) {
+            Some(LensShape::Sphere { radius: lens }) => {
+                -radius * radius / ((lens - radius) * (lens + radius))
+            }
+            Some(LensShape::Paraboloid { radius: lens }) => -(radius / lens).powi(2),
+            _ => 0.0,
+        }
+    }
 }
 
 #[cfg(test)]

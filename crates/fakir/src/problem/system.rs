@@ -5,13 +5,10 @@ use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::interactions::Interactions;
 use super::lattice::HexagonalLattice;
-use super::layer::{Base, Layer, WeightedLayer};
+use super::layer::{Layer, WeightedLayer};
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
-
-/// Step of the central differences in [`System::layer_changes`]: relative for lengths and moduli, absolute for Poisson's ratios.
-const CHANGE: f64 = 1e-5;
 
 /// A material, and a layer if the body is one.
 type Body = (Material, Option<Layer>);
@@ -214,65 +211,9 @@ impl System {
         [(self.substrate, substrate), (self.lens.material, lens)]
     }
 
-    /// Derivatives of the correction for layers with respect to the quantities on which it depends, in a unit of length (m): by central
-    /// differences of the layers themselves, accurate to 1e-9.
+    /// [Derivatives](WeightedLayer::changes) of the correction for layers, in a unit of length (m).
     pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
-        use Quantity as Q;
-        if !self.has_layers() {
-            return Vec::new();
-        }
-        let bodies = self.bodies();
-        let moduli = [
-            [Q::SubstrateYoungModulus, Q::SubstratePoissonRatio],
-            [Q::LensYoungModulus, Q::LensPoissonRatio],
-        ];
-        let names = [Q::SUBSTRATE_LAYER, Q::LENS_LAYER];
-        let mut changes = Vec::new();
-        for (body, (material, layer)) in bodies.iter().enumerate() {
-            let mut add = |quantity, value: Option<f64>, set: &dyn Fn(&mut Body, f64)| {
-                let (value, width) = value.map_or((0.0, 1.0), |value| (value, value));
-                let at = |by: f64| {
-                    let mut bodies = bodies;
-                    set(&mut bodies[body], value + by * width);
-                    WeightedLayer::among(&bodies, unit)
-                };
-                let sides = [-CHANGE, CHANGE].map(at);
-                changes.push((quantity, WeightedLayer::change(sides, 2.0 * CHANGE * width)));
-            };
-            let [young, poisson] = moduli[body];
-            add(young, Some(material.young_modulus), &|body, value| {
-                body.0.young_modulus = value;
-            });
-            add(poisson, None, &|body, by| body.0.poisson_ratio += by);
-            let Some(layer) = layer else {
-                continue;
-            };
-            let [thickness, young, poisson] = names[body];
-            let set = |of: fn(&mut Layer, f64)| {
-                move |body: &mut Body, value: f64| {
-                    if let Some(layer) = &mut body.1 {
-                        of(layer, value);
-                    }
-                }
-            };
-            let by_thickness = set(|layer, value| layer.thickness = value);
-            add(thickness, Some(layer.thickness), &by_thickness);
-            if let Base::Elastic(base) = layer.base {
-                let by_young = set(|layer, value| {
-                    if let Base::Elastic(base) = &mut layer.base {
-                        base.young_modulus = value;
-                    }
-                });
-                add(young, Some(base.young_modulus), &by_young);
-                let by_poisson = set(|layer, by| {
-                    if let Base::Elastic(base) = &mut layer.base {
-                        base.poisson_ratio += by;
-                    }
-                });
-                add(poisson, None, &by_poisson);
-            }
-        }
-        changes
+        WeightedLayer::changes(self.bodies(), unit)
     }
 
     /// The layers in a unit of length (m).

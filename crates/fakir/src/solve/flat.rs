@@ -6,6 +6,8 @@
 //! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
+mod gradient;
+
 use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::line::integral_and_negative_part;
 use crate::numerics::quadrature::gauss_legendre;

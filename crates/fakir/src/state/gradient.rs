@@ -17,10 +17,12 @@ use crate::problem::Quantity;
 /// without restriction.
 ///
 /// The contact is first solved to rounding, so that it differs from that of [`press`](crate::press) by less than its error.
+///
+/// On a [flat surface](crate::problem::FlatSystem::gradient), `C` is a [`FlatContact`](super::FlatContact), and there are no pillars.
 #[derive(Debug, Clone)]
-pub struct Gradient {
+pub struct Gradient<C = ContactState> {
     /// The contact.
-    pub contact: ContactState,
+    pub contact: C,
     /// `dF/d zeta`, N/m.
     pub stiffness: f64,
     /// Derivatives of the force, N; `None` if it is prescribed.
@@ -102,6 +104,13 @@ impl Gradient {
     /// Checks the gradient before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
         self.contact = self.contact.checked()?;
+        self.with_checked_derivatives()
+    }
+}
+
+impl<C> Gradient<C> {
+    /// The gradient of a contact that has been checked.
+    pub(crate) fn with_checked_derivatives(mut self) -> Result<Self, SolveError> {
         check_number("stiffness", &mut self.stiffness)?;
         let parts = [&mut self.force, &mut self.indentation, &mut self.area];
         for derivatives in parts.into_iter().flatten() {

@@ -167,11 +167,41 @@ pub(crate) struct Disc {
 impl Disc {
     /// `pi theta` at the points for a right-hand side `g`.
     pub(crate) fn solve(&self, shape: impl Fn(f64) -> f64) -> Vec<f64> {
-        let mut theta: Vec<f64> = self.nodes.iter().map(|node| shape(node.0)).collect();
+        self.solved(self.nodes.iter().map(|node| shape(node.0)).collect())
+    }
+
+    /// The same for a right-hand side given at the points.
+    pub(crate) fn solved(&self, mut theta: Vec<f64>) -> Vec<f64> {
         if let Some(factors) = &self.factors {
             factors.solve(&mut theta);
         }
         theta
+    }
+
+    /// What layers alone contribute to the left-hand side of the equation for a solution under a disc of a radius (m). They may be a
+    /// [change](WeightedLayer::change) of the layers of the disc.
+    pub(crate) fn of_layers(
+        &self,
+        layers: &[WeightedLayer],
+        radius: f64,
+        solution: &[f64],
+    ) -> Vec<f64> {
+        let mut sums = vec![0.0; self.nodes.len()];
+        for layer in layers {
+            let scale = radius / layer.thickness;
+            let factor = 2.0 / PI * layer.weight * scale;
+            for (wave, weight) in LayerResponse::of(layer).rule(2.0 * scale) {
+                let cosine = |node: &(f64, f64)| (wave * scale * node.0).cos();
+                let parts = self.nodes.iter().zip(solution);
+                let part: f64 = parts
+                    .map(|(node, theta)| node.1 * cosine(node) * theta)
+                    .sum();
+                for (sum, node) in sums.iter_mut().zip(&self.nodes) {
+                    *sum += factor * weight * part * cosine(node);
+                }
+            }
+        }
+        sums
     }
 
     /// Integral of a solution from the axis to the rim.
