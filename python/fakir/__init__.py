@@ -43,7 +43,15 @@ from ._design import Candidate, Citation, Design, OutOfReach, Spread, cite, desi
 from ._fakir import __version__
 from ._fit import Estimate, Fit, fit
 from ._fits import Fits, JointFit, fit_many
-from ._flat import Flat, FlatApproach, FlatContact, FlatCycle, FlatSystem
+from ._flat import (
+    Flat,
+    FlatApproach,
+    FlatContact,
+    FlatCycle,
+    FlatElements,
+    FlatSystem,
+    FlatVerification,
+)
 from ._floor import FloorContact
 from ._friction import FrictionFit, ShearStress, fit_friction
 from ._gradient import Gradient
@@ -110,8 +118,10 @@ __all__ = [
     "FlatApproach",
     "FlatContact",
     "FlatCycle",
+    "FlatElements",
     "FlatPunch",
     "FlatSystem",
+    "FlatVerification",
     "FloorContact",
     "FloorErrors",
     "FrictionFit",

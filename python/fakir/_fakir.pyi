@@ -412,6 +412,12 @@ def history(
 def press_flat(
     flat: Flat, indentation: float | None, force: float | None, options: Options
 ) -> Answer: ...
+def gradient_flat(
+    flat: Flat, indentation: float | None, force: float | None, options: Options
+) -> tuple[Answer, str]: ...
+def verify_flat(
+    flat: Flat, indentation: float | None, force: float | None, cells: int, options: Options
+) -> tuple[str, Answer]: ...
 def approach_flat(
     flat: Flat,
     step: float,

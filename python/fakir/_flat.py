@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +13,14 @@ from . import _fakir
 from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
 from ._cycle import Adhesion, Drive, plan_with_end
 from ._format import Row, Shown, engineering
+from ._gradient import Gradient
 from ._history import Viscoelastic
 from ._loading import Loading, checked_path
 from ._numbers import FlatCycleNumbers, FlatPressNumbers
 from ._quantity import FloatArray, Quantity, array
 from ._run import Progress, options, warn
 from ._settings import Overrides, load, settings
+from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
 if TYPE_CHECKING:
@@ -189,6 +191,48 @@ class FlatSystem(Viscoelastic, Shown):
         warn(answer.warnings)
         return FlatCycle(answer, curve)
 
+    def gradient(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Gradient[FlatContact]:
+        """Computes the contact at an indentation (m) or under a force (N) on loading, with its exact derivatives.
+
+        They are with respect to the numbers of the system, by the keys of the case, such as ``lens.radius`` or ``adhesion.work``.
+
+        Raises
+        ------
+        SolveError
+            If nothing is touched.
+        """
+        run = options(threads, progress, memory_limit)
+        answer, summary = _fakir.gradient_flat(self._flat, *load(indentation, force), run)
+        return Gradient(self._checked(answer), json.loads(summary))
+
+    def verify(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        cells_per_diameter: int = 64,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> FlatVerification:
+        """Compares the disc of contact with boundary elements, on ``cells_per_diameter`` cells across the contact and on half as many.
+
+        Boundary elements do not support adhesion; a system with adhesion is refused: use ``system.replace({"adhesion.work": 0})``.
+        """
+        checked_cells(cells_per_diameter)
+        run = options(threads, progress, memory_limit)
+        question = load(indentation, force)
+        summary, disc = _fakir.verify_flat(self._flat, *question, cells_per_diameter, run)
+        return FlatVerification(json.loads(summary), FlatContact(disc, self))
+
     def _checked(self, answer: _fakir.Answer) -> FlatContact:
         contact = FlatContact(answer, self)
         warn(answer.warnings)
@@ -231,6 +275,53 @@ class FlatContact(FlatPressNumbers):
             ("mean pressure", engineering(self.mean_pressure, "Pa")),
             ("solution", self.termination),
         ]
+
+
+class FlatElements(NamedTuple):
+    """A contact with a flat surface with boundary elements."""
+
+    cells_per_diameter: int
+    """Cells across the contact."""
+    force: float
+    """Force, N."""
+    indentation: float
+    """Indentation, m."""
+    contact_radius: float | None
+    """Contact radius, m; None under a punch, whose contact is given."""
+    contact_area: float
+    """Area of the cells in contact, m^2."""
+    converged: bool
+    """Whether the solution converged."""
+
+
+class FlatVerification(Opinion):
+    """A contact with a flat surface as one disc and with boundary elements, and their differences."""
+
+    _titles = ("fakir.FlatVerification", "Verification by an independent method")
+
+    disc: FlatContact
+    """The contact as one disc."""
+    elements: tuple[FlatElements, FlatElements]
+    """The contacts with boundary elements, on half as many cells and on all."""
+
+    def __init__(self, summary: dict[str, Any], disc: FlatContact) -> None:
+        super().__init__(summary)
+        coarse, fine = (
+            FlatElements(
+                row["cells_per_diameter"],
+                row["force_N"],
+                row["indentation_m"],
+                row["contact_radius_m"],
+                row["contact_area_m2"],
+                row["converged"],
+            )
+            for row in summary["answers"][1:]
+        )
+        self.disc, self.elements = disc, (coarse, fine)
+
+    def _rows(self) -> list[Row]:
+        coarse, fine = self.elements
+        return self._rows_of([("disc", self.disc), ("elements, coarse", coarse), ("elements", fine)])
 
 
 class FlatApproach(Loading[FlatContact]):

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import copy
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _fakir
 from ._format import Row, engineering
+from ._numbers import Contact
 from ._result import Result
 from ._state import ContactState, contact_state
 
 if TYPE_CHECKING:
     from ._system import System
+
+C = TypeVar("C", bound=Contact)
 
 PILLAR_GRADIENT = np.dtype(
     [
@@ -28,7 +31,7 @@ PILLAR_GRADIENT = np.dtype(
 """Derivatives with respect to the height of a pillar; the prescribed quantity is constant."""
 
 
-class Gradient(Result):
+class Gradient(Result, Generic[C]):
     """A contact with its exact derivatives, each with all other numbers constant.
 
     They are derivatives of the numerical solution, valid up to the next load at which a pillar is touched or released, in SI
@@ -39,12 +42,12 @@ class Gradient(Result):
 
     __slots__ = ("_state",)
 
-    def __init__(self, state: ContactState, summary: dict[str, Any]) -> None:
+    def __init__(self, state: C, summary: dict[str, Any]) -> None:
         self._state = state
         self._summary = summary
 
     @property
-    def state(self) -> ContactState:
+    def state(self) -> C:
         """The contact; the critical state if no load was given."""
         return self._state
 
@@ -78,7 +81,8 @@ class Gradient(Result):
 
     @property
     def pillars(self) -> npt.NDArray[np.void]:
-        """Derivatives with respect to the individual height of every touched pillar, sorted by distance from the lens axis."""
+        """Derivatives with respect to the individual height of every touched pillar, sorted by distance from the lens axis; none
+        on a flat surface."""
         names = PILLAR_GRADIENT.names or ()
         rows = [tuple(row[name] or 0 for name in names) for row in self._summary["pillars"]]
         return np.array(rows, dtype=PILLAR_GRADIENT)
@@ -89,7 +93,7 @@ class Gradient(Result):
 
 def gradient(
     system: System, load: tuple[float | None, float | None], options: _fakir.Options
-) -> Gradient:
+) -> Gradient[ContactState]:
     """The gradient at a load, or at the critical state."""
     state, summary = _fakir.gradient(system._case, *load, options)
     return Gradient(contact_state(state, system), json.loads(summary))

@@ -399,7 +399,7 @@ class System(Viscoelastic, Shown):
         threads: int = 1,
         progress: Progress | None = None,
         memory_limit: int | None = None,
-    ) -> Gradient:
+    ) -> Gradient[ContactState]:
         """Computes the contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
 
         They are with respect to the numbers of the system, and to the height of every pillar. They are supported only by the

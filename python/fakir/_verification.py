@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from . import _fakir
 from ._format import Row, engineering
-from ._numbers import Contact
 from ._result import Result
 from ._run import warn_of_interactions
 from ._state import ContactState
@@ -29,6 +28,15 @@ def _number(value: float | None) -> float:
     return float("nan") if value is None else value
 
 
+class Loaded(Protocol):
+    """A result with a force and an indentation."""
+
+    @property
+    def force(self) -> float: ...
+    @property
+    def indentation(self) -> float: ...
+
+
 class Opinion(Result):
     """Comparison of two results for one problem."""
 
@@ -37,7 +45,7 @@ class Opinion(Result):
     doubt: str | None
     """Why the comparison is inconclusive; None if it is conclusive."""
     force: Difference
-    """Difference of the elements from the spectral method, or of the coarser cells from the finer ones."""
+    """Difference of the elements from the spectral method or from the disc, or of the coarser cells from the finer ones."""
     indentation: Difference
     """The same for the indentation."""
 
@@ -57,7 +65,7 @@ class Opinion(Result):
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _rows_of(self, answers: Sequence[tuple[str, Contact]]) -> list[Row]:
+    def _rows_of(self, answers: Sequence[tuple[str, Loaded]]) -> list[Row]:
         rows = [
             (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
             for name, s in answers

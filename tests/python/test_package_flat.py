@@ -97,3 +97,23 @@ def test_modulus_and_work_of_adhesion_from_a_reference_measurement():
     assert fit.describes_data
     with pytest.raises(fakir.FitError, match="flat surface"):
         fakir.fit(path, system, ["pattern.pitch"])
+
+
+def test_derivatives_and_a_second_method():
+    """Hertz: F is proportional to the square root of the radius at a given indentation."""
+    system = fakir.problem(lens(fakir.ParaboloidLens), RUBBER, fakir.Flat())
+    found = system.gradient(indentation="1 um")
+    assert found.force is not None and found.indentation is None
+    assert found.force["lens.radius"] == pytest.approx(found.state.force / (2 * system.lens.radius), rel=1e-9)
+    assert found.stiffness == pytest.approx(found.state.stiffness, rel=1e-12)
+    assert found.contact_area is not None and len(found.pillars) == 0
+    with pytest.raises(fakir.SolveError, match="not touched"):
+        system.gradient(force=0.0)
+    verified = system.verify(force="1 mN", cells_per_diameter=48)
+    coarse, fine = verified.elements
+    assert verified.agrees and (coarse.cells_per_diameter, fine.cells_per_diameter) == (24, 48)
+    assert fine.indentation == pytest.approx(verified.disc.indentation, rel=2e-3)
+    assert fine.contact_radius == pytest.approx(verified.disc.contact_radius, rel=0.05)
+    assert "the answers agree" in str(verified)
+    with pytest.raises(fakir.SolveError, match="adhesion"):
+        fakir.FlatSystem(lens(), RUBBER, adhesion=WORK).verify(force="1 mN")

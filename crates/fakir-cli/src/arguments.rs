@@ -778,9 +778,10 @@ pub(crate) struct Verify {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) load: LoadArguments,
-    /// Square cells across a pillar on the finer mesh; the other has half as many
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = cells)]
-    pub(crate) cells: usize,
+    /// Square cells across a pillar on the finer mesh, 16 if not given, or across the contact with a flat surface, 64 if not given; the other
+    /// mesh has half as many
+    #[arg(long, value_name = "N", value_parser = cells)]
+    pub(crate) cells: Option<usize>,
     #[command(flatten)]
     pub(crate) floor: FloorArguments,
     #[command(flatten)]
@@ -1516,7 +1517,7 @@ pub(crate) struct ModulusArguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct GradientArguments {
     /// Compute the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
-    /// pillar: with the method spectral, without adhesion, and as long as the floor carries no load
+    /// pillar: with the method spectral, without adhesion, and as long as the floor carries no load; or on a flat surface
     #[arg(long)]
     gradient: bool,
 }

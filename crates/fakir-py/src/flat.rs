@@ -7,8 +7,8 @@ use crate::settings::settings;
 use crate::watched::{Options, watched};
 use fakir::state::{FlatContact, FlatCycle};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
-use fakir_study::record::FlatAnswer;
-use fakir_study::result::{self, ApproachSummary, flat_press, json};
+use fakir_study::record::{FlatAnswer, GradientObject};
+use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, flat_press, json};
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -127,6 +127,49 @@ pub(crate) fn press_flat(
     let contact = watched(py, &options, |run| flat.case.system.press(load, run))?;
     let contact = contact.map_err(|error| solve_error(&error))?;
     Ok(flat.answer(&contact, start.elapsed().as_secs_f64()))
+}
+
+/// The contact with a flat surface, and the object that `--gradient` adds to the JSON output.
+#[pyfunction]
+pub(crate) fn gradient_flat(
+    py: Python<'_>,
+    flat: &Flat,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<(Answer, String)> {
+    let load = load(indentation, force)?;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| flat.case.system.gradient(load, run))?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let summary = json(&GradientObject::from(&found));
+    let answer = flat.answer(&found.contact, start.elapsed().as_secs_f64());
+    Ok((answer, summary))
+}
+
+/// The object that `fakir verify --json` prints for a flat surface, and the contact as one disc.
+#[pyfunction]
+pub(crate) fn verify_flat(
+    py: Python<'_>,
+    flat: &Flat,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    cells: usize,
+    options: Options,
+) -> PyResult<(String, Answer)> {
+    let load = load(indentation, force)?;
+    let system = &flat.case.system;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        fakir::verify_flat(system, load, cells, run)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let indenter = system.lens().map_or("punch", |_| "lens");
+    let summary = json(&SurfaceVerifySummary::of_flat(
+        load, &found, indenter, wall_time,
+    ));
+    Ok((summary, flat.answer(&found.disc, wall_time)))
 }
 
 /// The object that `fakir approach --json` prints, and the states.

@@ -43,7 +43,7 @@ mod _fakir {
     #[pymodule_export]
     use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly};
     #[pymodule_export]
-    use super::flat::{Flat, approach_flat, cycle_flat, press_flat};
+    use super::flat::{Flat, approach_flat, cycle_flat, gradient_flat, press_flat, verify_flat};
     #[pymodule_export]
     use super::friction::{FittedFriction, LateralData, fit_friction, without_interactions};
     #[pymodule_export]

@@ -2,8 +2,8 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::record::{
-    AsperityAnswer, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer, asperity_head,
-    surface_head,
+    AsperityAnswer, DISC, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer,
+    asperity_head, surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{
@@ -393,7 +393,7 @@ impl Loadable for FlatCase {
     }
 
     fn head(&self) -> Object {
-        Object::word("method", "disc")
+        Object::word("method", DISC)
     }
 
     fn critical(&self, _: &Critical<FlatContact>, _: f64) -> Object {

@@ -1,4 +1,4 @@
-//! `fakir verify`: the spectral method and boundary elements on the same question.
+//! `fakir verify`: two methods, or two meshes, on the same question.
 
 use crate::failure::{Failure, not_answered};
 use crate::numbers::{DIGITS, seconds, significant};
@@ -7,7 +7,8 @@ use fakir::problem::{Accuracy, ElementMesh, Load, Method, Question};
 use fakir::state::ContactState;
 use fakir::{Verdict, Verification};
 use fakir_case::unit::Dimension;
-use fakir_case::{AnyCase, Case, CaseFile};
+use fakir_case::{AnyCase, Case, CaseFile, FlatCase};
+use fakir_study::answer::described;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::report::Report;
@@ -23,16 +24,22 @@ use std::time::Instant;
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
 
+/// Default number of cells across a pillar, and across the contact with a flat surface.
+const ACROSS_PILLAR: usize = 16;
+const ACROSS_CONTACT: usize = 64;
+
 /// Verification of a case of any kind that supports it.
 pub(crate) fn run(
     case: &AnyCase,
     load: Load,
-    cells_per_diameter: usize,
+    cells: Option<usize>,
     session: &Session,
 ) -> Result<Report, Failure> {
+    let across_pillar = cells.unwrap_or(ACROSS_PILLAR);
     match case {
-        AnyCase::Pillars(case) => of_pillars(case, load, cells_per_diameter, session),
-        AnyCase::HeightMap(file) => of_surface(file, load, cells_per_diameter, session),
+        AnyCase::Pillars(case) => of_pillars(case, load, across_pillar, session),
+        AnyCase::HeightMap(file) => of_surface(file, load, across_pillar, session),
+        AnyCase::Flat(flat) => of_flat(case, flat, load, cells.unwrap_or(ACROSS_CONTACT), session),
         _ => Err(not_answered(Question::Verify)),
     }
 }
@@ -161,14 +168,64 @@ fn of_surface(
     Ok(report)
 }
 
-fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {
-    let summary = SurfaceVerifySummary::new(control, found, wall_time);
+/// A flat surface as one disc, and with boundary elements.
+fn of_flat(
+    any: &AnyCase,
+    case: &FlatCase,
+    control: Load,
+    cells: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    let start = Instant::now();
+    let found = fakir::verify_flat(&case.system, control, cells, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let described = described(any)?;
+    let indenter = case.system.lens().map_or("punch", |_| "lens");
+    let summary = SurfaceVerifySummary::of_flat(control, &found, indenter, wall_time);
     let rows = summary.answers();
-    let case = &found.answers[1].case;
+    let verdict = match found.verdict() {
+        Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
+        Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
+        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
+    };
+    let [of_disc, of_elements] = [
+        warnings(&found.disc),
+        found.elements.iter().flat_map(warnings).collect(),
+    ];
+    let mut topics = described.topics;
+    topics.push(Topic::Surface {
+        periodic: false,
+        random: false,
+    });
+    Ok(Report {
+        json: json(&summary),
+        text: format!(
+            "Verification by an independent method\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
+            described.lines[0],
+            mesh_table("Answer", rows),
+            difference("force", found.force),
+            difference("indentation", found.indentation),
+            seconds(wall_time)
+        ),
+        provenance: Provenance::new(
+            control_words(control),
+            format!(
+                "{} against boundary elements, {cells} cells across the contact",
+                described.method
+            ),
+            &topics,
+            case.to_toml(),
+        ),
+        tables: vec![csv("verify.csv", rows)],
+        warnings: [of_disc, of_elements].concat(),
+        converged: found.agrees(),
+        exceeded: Vec::new(),
+    })
+}
+
+fn mesh_table(heading: &'static str, rows: &[MeshRow]) -> String {
     let columns = [
-        Column::right("Cells across a pillar", |row: &MeshRow| {
-            row.cells_per_diameter.to_string()
-        }),
+        Column::right(heading, |row: &MeshRow| row.name.clone()),
         Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
         Column::right("error", |row| estimate(row.force_error_estimate)),
         Column::quantity("zeta", Dimension::Length, rows, |row| {
@@ -179,6 +236,13 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
             Some(row.contact_area_m2 * 1e12)
         }),
     ];
+    table(rows, &columns)
+}
+
+fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {
+    let summary = SurfaceVerifySummary::new(control, found, wall_time);
+    let rows = summary.answers();
+    let case = &found.answers[1].case;
     let verdict = match found.verdict() {
         (_, Some(doubt)) => format!("INCONCLUSIVE: {doubt}"),
         _ if found.agrees() => "The two meshes agree within their error estimates".to_owned(),
@@ -190,7 +254,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         text: format!(
             "Verification on two meshes\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
             description(case).join("\n"),
-            table(rows, &columns),
+            mesh_table("Cells across a pillar", rows),
             difference("force", found.force),
             difference("indentation", found.indentation),
             seconds(wall_time)

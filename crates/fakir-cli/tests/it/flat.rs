@@ -84,11 +84,25 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         (&["transition", CASE][..], "no floor between pillars"),
         (&["approach", CASE], "the loading has no end"),
         (&["cycle", CASE], "give --to or --to-force"),
+        // The case has adhesion.
         (
-            &["press", CASE, "--force", "1mN", "--gradient"],
-            "derivatives",
+            &["verify", CASE, "--force", "1mN"],
+            "no second method for adhesion",
         ),
-        (&["verify", CASE, "--force", "1mN"], "no second method"),
+        (
+            &[
+                "press",
+                CASE,
+                "--force",
+                "0",
+                "--gradient",
+                "--set",
+                "adhesion.work=0",
+                "--set",
+                "adhesion.work_receding=0",
+            ],
+            "not touched",
+        ),
         (&["theory", CASE], "closed forms"),
         (
             &["design", CASE, "--free", "pitch", "--critical-force", "1mN"],
@@ -107,6 +121,84 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         );
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     }
+}
+
+/// Boundary elements find the extent of the contact and its force; both lenses and punches, half-spaces and films.
+#[test]
+fn a_contact_is_verified_with_boundary_elements() {
+    let dry = [
+        "--set",
+        "adhesion.work=0",
+        "--set",
+        "adhesion.work_receding=0",
+    ];
+    for extra in [
+        &[][..],
+        &["--set", "substrate.thickness=0.2mm"],
+        &["--set", "lens.shape=punch", "--set", "lens.radius=50um"],
+    ] {
+        let arguments = ["verify", CASE, "--force", "1mN"];
+        let found = json(&[&arguments[..], &dry, extra].concat());
+        assert_eq!(found["verdict"], "agree", "{found}");
+        let answers = found["answers"].as_array().unwrap();
+        let methods: Vec<&Value> = answers.iter().map(|row| &row["method"]).collect();
+        assert_eq!(methods, ["disc", "love", "love"]);
+        assert_eq!(answers[2]["cells_per_diameter"], 64);
+        let [exact, elements] = [&answers[0], &answers[2]].map(|row| number(row, "indentation_m"));
+        assert!((elements / exact - 1.0).abs() < 1e-2 && elements.to_bits() != exact.to_bits());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("verify");
+    let saved = [
+        "verify", CASE, "--force", "1mN", "--cells", "32", "--output",
+    ];
+    let done = fakir(&[&saved[..], &[&output.to_string_lossy()], &dry].concat());
+    let message = String::from_utf8_lossy(&done.stdout).into_owned();
+    assert!(
+        done.status.success() && message.contains("elements, 32 cells"),
+        "{message}"
+    );
+    assert!(output.join("verify.csv").exists() && output.join("provenance.json").exists());
+}
+
+/// The pull of JKR at a prescribed indentation grows with the work of adhesion; under Hertz, F is proportional to sqrt(R).
+#[test]
+fn derivatives_of_a_contact() {
+    let found = json(&["press", CASE, "--indentation", "2um", "--gradient"]);
+    let gradient = &found["gradient"];
+    assert!(gradient["indentation_m"].is_null());
+    let by = |key: &str| number(&gradient["force_N"], key);
+    assert!(by("adhesion.work") < 0.0 && by("lens.young_modulus") > 0.0);
+    let dry = [
+        "--set",
+        "adhesion.work=0",
+        "--set",
+        "adhesion.work_receding=0",
+    ];
+    let hertz = [
+        "press",
+        CASE,
+        "--indentation",
+        "2um",
+        "--gradient",
+        "--set",
+        "lens.shape=paraboloid",
+    ];
+    let found = json(&[&hertz[..], &dry].concat());
+    let by_radius = number(&found["gradient"]["force_N"], "lens.radius");
+    let expected = number(&found, "force_N") / (2.0 * 2.2e-3);
+    assert!((by_radius / expected - 1.0).abs() < 1e-9, "{by_radius:e}");
+    let film = json(&[
+        "press",
+        CASE,
+        "--force",
+        "1mN",
+        "--gradient",
+        "--set",
+        "substrate.thickness=0.2mm",
+    ]);
+    let by_thickness = number(&film["gradient"]["indentation_m"], "substrate.thickness");
+    assert!(by_thickness > 0.0);
 }
 
 #[test]

@@ -6,12 +6,12 @@ use crate::citations::Topic;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
-use crate::record::{FlatAnswer, Record};
+use crate::record::{FlatAnswer, GradientObject, Record};
 use crate::report::state::{
     QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, range_warnings,
 };
 use crate::result::{csv, json};
-use fakir::problem::{CyclePlan, Interactions, Solver, UnloadingPoint};
+use fakir::problem::{CyclePlan, Interactions, Load, Solver, UnloadingPoint};
 use fakir::state::{FlatContact, FlatCycle, Limit, Regime, Run, Solution};
 use fakir_case::FlatCase;
 use fakir_case::unit::Dimension;
@@ -84,6 +84,16 @@ impl Kind for FlatCase {
             ));
         }
         Ok(())
+    }
+
+    fn with_gradient(
+        &self,
+        load: Load,
+        run: &Run<'_>,
+    ) -> Result<(Reached<FlatContact>, GradientObject), AnswerError> {
+        let found = self.system.gradient(load, run)?;
+        let gradient = GradientObject::from(&found);
+        Ok((Reached::Contact(found.contact), gradient))
     }
 
     fn cycle(

@@ -7,6 +7,9 @@ use super::named::{Kind, Named, Recorded};
 use fakir::problem::{ContactAreas, FlatSystem, Interactions};
 use fakir::state::{FlatContact, FlatCycle};
 
+/// Name of the method.
+pub(crate) const DISC: &str = "disc";
+
 /// A contact with a flat surface, and its case.
 #[derive(Debug, Clone, Copy)]
 pub struct FlatAnswer<'a> {
@@ -49,7 +52,7 @@ impl<'a> Recorded for FlatAnswer<'a> {
                 .map(|row| row.of_part(|it: &FlatAnswer<'a>| it.contact))
         };
         let mut rows: Vec<Named<Self>> = vec![
-            Named::word("method", "`disc`", |_: &FlatAnswer<'a>| Some("disc")),
+            Named::word("method", "`disc`", |_: &FlatAnswer<'a>| Some(DISC)),
             Named::word(
                 "lens_shape",
                 "`sphere`, `paraboloid`, `profile` or `punch`",

@@ -38,8 +38,8 @@ fn by_key(derivatives: &Derivatives) -> ByKey {
     derivatives.quantities.iter().filter_map(named).collect()
 }
 
-impl From<&Gradient> for GradientObject {
-    fn from(gradient: &Gradient) -> Self {
+impl<C> From<&Gradient<C>> for GradientObject {
+    fn from(gradient: &Gradient<C>) -> Self {
         let by_keys = |derivatives: &Option<Derivatives>| derivatives.as_ref().map(by_key);
         let parts = [&gradient.force, &gradient.indentation];
         let listed = parts.into_iter().flatten().next();

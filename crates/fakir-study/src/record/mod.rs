@@ -25,6 +25,7 @@ mod surface;
 pub use asperities::AsperityAnswer;
 pub(crate) use asperities::asperity_head;
 pub use contact::of_floor;
+pub(crate) use flat::DISC;
 pub use flat::FlatAnswer;
 pub use gradient::GradientObject;
 pub use history::{HistoryAnswer, HistoryRow};

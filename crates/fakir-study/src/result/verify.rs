@@ -1,11 +1,11 @@
 //! Verification: two independent results for one problem.
 
 use crate::VERSION;
-use crate::record::{METHOD, boundary_name, indenter_name, of_floor};
+use crate::record::{DISC, METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Load, Method};
-use fakir::state::{ContactState, SurfaceContact};
-use fakir::{Difference, Verification};
+use fakir::problem::{Boundary, Load, Method};
+use fakir::state::{ContactState, FlatContact, SurfaceContact};
+use fakir::{Difference, FlatVerification, Verification};
 use serde::Serialize;
 
 /// One of the results: a row of `verify.csv`.
@@ -161,18 +161,21 @@ fn differences(
     }
 }
 
-/// The result on one mesh of a general surface: a row of `verify.csv`.
+/// The result on one mesh of a general or a flat surface, or as one disc of contact: a row of `verify.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct MeshRow {
     /// Name of the method.
     pub method: &'static str,
-    /// Cells across a pillar.
-    pub cells_per_diameter: usize,
-    /// Number of cells along x.
-    pub columns: usize,
-    /// Number of cells along y.
-    pub rows: usize,
+    /// Cells across a pillar, or across the contact with a flat surface; `None` for the disc.
+    pub cells_per_diameter: Option<usize>,
+    /// Descriptive name.
+    #[serde(skip)]
+    pub name: String,
+    /// Number of cells along x; `None` for the disc.
+    pub columns: Option<usize>,
+    /// Number of cells along y; `None` for the disc.
+    pub rows: Option<usize>,
     /// Normal force, N.
     pub force_N: f64,
     /// Indentation, m.
@@ -195,7 +198,7 @@ pub struct MeshRow {
     pub iterations: usize,
 }
 
-/// Verification on a general surface: what `fakir verify --json` prints for it.
+/// Verification on a general or a flat surface: what `fakir verify --json` prints for it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceVerifySummary {
     question: &'static str,
@@ -206,7 +209,7 @@ pub struct SurfaceVerifySummary {
     verdict: &'static str,
     /// Why the comparison is inconclusive; `None` if it is conclusive.
     doubt: Option<String>,
-    /// Relative difference of the result on half as many cells from that on all cells.
+    /// Relative difference of the result on half as many cells from that on all cells; on a flat surface, of that on all cells from the disc.
     relative_difference: Differences,
     /// Sum of both error estimates.
     allowed_difference: Differences,
@@ -241,7 +244,39 @@ impl SurfaceVerifySummary {
         }
     }
 
-    /// The results, that on half as many cells first.
+    /// The results with a flat surface under a `"lens"` or a `"punch"`, that of the disc first.
+    #[must_use]
+    pub fn of_flat(
+        control: Load,
+        verification: &FlatVerification,
+        indenter: &'static str,
+        wall_time: f64,
+    ) -> Self {
+        let verdict = verification.verdict();
+        let differences = |of| differences(&verification.force, &verification.indentation, of);
+        let elements = verification.elements.iter().zip(verification.cells);
+        let elements = elements.map(|(contact, cells)| MeshRow {
+            name: format!("elements, {cells} cells"),
+            ..MeshRow::new(contact, cells)
+        });
+        Self {
+            question: question_name(control),
+            indenter,
+            boundary: boundary_name(Boundary::FreeSpace),
+            agree: verification.agrees(),
+            verdict: verdict.name(),
+            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
+            relative_difference: differences(|difference| difference.relative),
+            allowed_difference: differences(|difference| difference.allowed),
+            answers: std::iter::once(MeshRow::of_disc(&verification.disc))
+                .chain(elements)
+                .collect(),
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+
+    /// The results, that on half as many cells first, or that of the disc.
     #[must_use]
     pub fn answers(&self) -> &[MeshRow] {
         &self.answers
@@ -252,9 +287,10 @@ impl MeshRow {
     fn new(contact: &SurfaceContact, cells_per_diameter: usize) -> Self {
         Self {
             method: METHOD,
-            cells_per_diameter,
-            columns: contact.grid.columns(),
-            rows: contact.grid.rows(),
+            cells_per_diameter: Some(cells_per_diameter),
+            name: cells_per_diameter.to_string(),
+            columns: Some(contact.grid.columns()),
+            rows: Some(contact.grid.rows()),
             force_N: contact.force,
             indentation_m: contact.indentation,
             contact_area_m2: contact.contact_area,
@@ -265,6 +301,27 @@ impl MeshRow {
             contact_area_error_estimate: contact.area_error,
             converged: contact.converged(),
             iterations: contact.products,
+        }
+    }
+
+    fn of_disc(contact: &FlatContact) -> Self {
+        let error = contact.error;
+        Self {
+            method: DISC,
+            cells_per_diameter: None,
+            name: "one disc".to_owned(),
+            columns: None,
+            rows: None,
+            force_N: contact.force,
+            indentation_m: contact.indentation,
+            contact_area_m2: contact.contact_area,
+            contact_radius_m: Some(contact.contact_radius),
+            force_error_estimate: Some(error.force),
+            indentation_error_estimate: Some(error.indentation),
+            contact_radius_error_estimate: Some(error.contact_radius),
+            contact_area_error_estimate: Some(2.0 * error.contact_radius),
+            converged: contact.converged(),
+            iterations: 0,
         }
     }
 }

@@ -620,13 +620,6 @@ static RULES: &[Rule] = &[
         "prescribe an indentation or a force, or describe the pillars",
     ),
     rule(
-        &[Question::Gradient],
-        FLAT,
-        &[],
-        "derivatives are those of contacts with pillars",
-        "leave them out: the result has the stiffness, and `sweep` varies any key",
-    ),
-    rule(
         &[Question::Fields],
         FLAT,
         &[],
@@ -643,9 +636,9 @@ static RULES: &[Rule] = &[
     rule(
         &[Question::Verify],
         FLAT,
-        &[],
-        "there is no second method for flat surfaces",
-        "use `press`, which states the error",
+        &[ADHESIVE_TOPS],
+        "there is no second method for adhesion: its tension at the rim is infinite, and boundary elements support only pressures",
+        "with a work of adhesion of 0 the contact without adhesion is verified; `press` estimates the error",
     ),
     rule(
         &[Question::Explore],
