@@ -53,6 +53,45 @@ def test_heights_for_a_linear_interface():
     assert "HeightDesign" in repr(found)
 
 
+def test_lenses_of_every_shape(tmp_path):
+    """A tilted plate shifts the contact of one top by R tan(tilt) and leaves its pull-off, 3/2 pi w R (Johnson, Kendall, Roberts); the
+    curvatures of a paraboloid and a top add."""
+    glass = {"young_modulus": "70 GPa", "poisson_ratio": 0.22}
+
+    def one(lens, **options):
+        return fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", lens, RUBBER, **options)
+
+    tilted = fakir.PlateLens(**glass, tilt=0.01, tilt_direction=0.4)
+    cycle = one(tilted, adhesion="50 mJ/m2").cycle(to="2 um")
+    assert cycle.pull_off_force == pytest.approx(-1.5 * np.pi * 50e-3 * 526e-6, rel=1e-6)
+    contact = one(fakir.ParaboloidLens("5 mm", **glass)).press(indentation="2 um")
+    modulus = 1 / (0.75 / 1.5e6 + (1 - 0.22**2) / 70e9)
+    radius = 1 / (1 / 526e-6 + 1 / 5e-3)
+    assert contact.force == pytest.approx(4 / 3 * modulus * np.sqrt(radius) * 2e-6**1.5, rel=1e-9)
+    assert contact.to_dict()["lens_shape"] == "paraboloid"
+    level = tops().press(indentation="2 um").force
+    assert one(Plate("70 GPa", 0.22)).press(indentation="2 um").to_dict()["lens_shape"] is None
+    rows = np.linspace(0.0, 4e-3, 200)
+    (tmp_path / "lens.csv").write_text("radius_m,height_m\n" + "".join(f"{r!r},{r * r / 10.0!r}\n" for r in rows.tolist()))
+    lenses = [
+        fakir.CylinderLens("5 m", **glass, angle=0.3),
+        fakir.ProfileLens(tmp_path / "lens.csv", **glass),
+        fakir.PlateLens(**glass, tilt=1e-7),
+    ]
+    for lens in lenses:
+        made = fakir.AsperityArray(X - PITCH, Y - PITCH, 200e-6, "526 um", lens, RUBBER)
+        assert made.indenter == lens
+        force = made.press(indentation="2 um").force
+        assert force == pytest.approx(level, rel=0.2)
+        (tmp_path / "case.toml").write_text(made.to_toml())
+        made.to_csv(tmp_path / "pillars.csv")
+        read = fakir.AsperityArray.from_file(tmp_path / "case.toml")
+        assert read.indenter == lens
+        assert read.press(indentation="2 um").force == pytest.approx(force, rel=1e-12)
+    with pytest.raises(ValueError, match="tilt"):
+        one(fakir.PlateLens(**glass, tilt=0.5))
+
+
 def test_what_cannot_be_is_refused():
     force = [10e-3, 20e-3]
     with pytest.raises(TypeError, match="give two of force, indentation and area"):
@@ -63,7 +102,7 @@ def test_what_cannot_be_is_refused():
         fakir.design_heights(tops(), force=force, area=[6e-8, 6e-6])
     with pytest.raises(ValueError, match="give one for each other"):
         fakir.design_heights(tops(), force=force, area=[6e-8])
-    with pytest.raises(TypeError, match="Lens or a Plate"):
+    with pytest.raises(TypeError, match="lens or a Plate"):
         fakir.AsperityArray(0.0, 0.0, 1e-4, 5e-4, RUBBER, RUBBER)
     with pytest.raises(ValueError, match="top radius"):
         fakir.AsperityArray(0.0, 0.0, 1e-4, -5e-4, GLASS, RUBBER)

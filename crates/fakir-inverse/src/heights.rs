@@ -10,7 +10,7 @@
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::{Rng, SeedableRng};
 use fakir::numerics::dense::{Lu, Matrix};
-use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, Load};
+use fakir::problem::{Accuracy, Asperity, AsperityArray, InvalidAsperities, Load};
 use fakir::state::{AsperityContact, Run, SolveError};
 use std::f64::consts::PI;
 
@@ -679,11 +679,10 @@ struct Lone {
 type Pressed = [[f64; 2]; 2];
 
 impl Lone {
-    fn new(asperity: &Asperity, lens_radius: f64) -> Self {
-        let square = asperity.apex[0].powi(2) + asperity.apex[1].powi(2);
+    fn new(field: &AsperityArray, asperity: &Asperity) -> Self {
         Self {
-            sunk: 0.5 * square / (lens_radius + asperity.top_radius),
-            curvature: asperity.top_radius.recip() + lens_radius.recip(),
+            sunk: field.level_of_touch(asperity),
+            curvature: field.relative_curvature(asperity),
             compliance: asperity.column_compliance,
         }
     }
@@ -720,17 +719,13 @@ impl Lone {
 
 impl Independent {
     fn new(field: &AsperityArray, curve: Curve) -> Self {
-        let radius = match field.indenter() {
-            Indenter::Lens(lens) => lens.sphere_radius(),
-            Indenter::Flat(_) => f64::INFINITY,
-        };
         Self {
             curve,
             modulus: field.reduced_modulus(),
             asperities: field
                 .asperities()
                 .iter()
-                .map(|asperity| Lone::new(asperity, radius))
+                .map(|asperity| Lone::new(field, asperity))
                 .collect(),
         }
     }

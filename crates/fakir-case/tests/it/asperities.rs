@@ -1,6 +1,6 @@
 //! Cases with rounded pillar tops.
 
-use fakir::problem::{Accuracy, Indenter};
+use fakir::problem::{Accuracy, Indenter, PillarCompliance, ShapedLens};
 use fakir_case::{AsperityCase, CaseFile};
 
 const PLATE: &str = r#"
@@ -183,6 +183,47 @@ fn adhesion_is_read_and_written() {
     let heights: Vec<f64> = case.field.asperities().iter().map(|it| it.raised).collect();
     let same = case.with_heights(&heights).unwrap();
     assert_eq!(same.field.adhesion(), case.field.adhesion());
+}
+
+/// A case as a file gives the same lens, of every shape, and a level plate is one without a tilt.
+#[test]
+fn lenses_of_every_shape_are_read_and_written() {
+    for (lens, name) in [
+        (
+            "radius = \"9 mm\"\nshape = \"paraboloid\"\n",
+            Some("paraboloid"),
+        ),
+        (
+            "radius = \"9 mm\"\nshape = \"cylinder\"\nangle = \"20 deg\"\n",
+            Some("cylinder"),
+        ),
+        (
+            "shape = \"plate\"\ntilt = \"1 deg\"\ntilt_direction = \"30 deg\"\n",
+            Some("plate"),
+        ),
+        ("shape = \"plate\"\n", None),
+    ] {
+        let bodies = "young_modulus = \"70 GPa\"\npoisson_ratio = 0.22\n[substrate]\nyoung_modulus = \"1.5 MPa\"\npoisson_ratio = 0.5\n";
+        let case = rounded(&format!("[lens]\n{lens}{bodies}{SITES}"));
+        let found = case.field.indenter().lens();
+        assert_eq!(found.map(ShapedLens::shape_name), name);
+        assert_eq!(case.lens_settings().is_empty(), name.is_none());
+        let again = rounded(&case.to_toml());
+        assert_eq!(again.field, case.field);
+        let made = AsperityCase::new(
+            case.field.clone(),
+            case.accuracy,
+            case.height,
+            PillarCompliance::None,
+            case.lens_settings().to_vec(),
+        );
+        let text = made.unwrap().to_toml();
+        for key in ["shape", "tilt = ", "angle = ", "radius = "] {
+            let given = lens.contains(&format!("\n{key}")) || lens.starts_with(key);
+            let table = text.split("[substrate]").next().unwrap();
+            assert_eq!(table.contains(&format!("\n{key}")), given, "{key}: {text}");
+        }
+    }
 }
 
 /// All computations of flat tops use `case`.

@@ -1,7 +1,9 @@
 //! Heights of rounded tops for target curves: 64 asperities with a radius of curvature of 526 um on a square lattice under a rigid
 //! plate.
 
-use fakir::problem::{Accuracy, Asperity, AsperityArray, Indenter, Load, Material};
+use fakir::problem::{
+    Accuracy, Asperity, AsperityArray, Indenter, LensShape, Load, Material, ShapedLens,
+};
 use fakir::state::Run;
 use fakir_inverse::heights::{Curve, HeightDesign, HeightDesignError, WantedPoint, design_heights};
 
@@ -65,6 +67,30 @@ fn area_in_proportion_to_the_force() {
     assert!(design.largest_residual() < 1e-6 && design.is_reached());
     // Another program: 2e-7 between degrees 2 and 4.
     check_accurately(&design, 2e-6);
+}
+
+/// Heights compensate for the shape of the lens: the same curve is reached under every shape.
+#[test]
+fn area_in_proportion_to_the_force_under_other_lenses() {
+    let radius = 0.05;
+    for shape in [
+        LensShape::Plate {
+            tilt: 1e-3,
+            direction: 0.4,
+        },
+        LensShape::Paraboloid { radius },
+        LensShape::Cylinder { radius, angle: 0.7 },
+    ] {
+        let lens = ShapedLens::new(shape, Material::new(1e12, 0.0));
+        let plain = field(1500.0);
+        let tops = plain.asperities().to_vec();
+        let field = AsperityArray::new(lens.into(), *plain.substrate(), tops).expect("a field");
+        let wanted = of_force(|force| 10.0 * force);
+        let design = design_heights(&field, Curve::AreaOfForce, &wanted, 1, &Run::default());
+        let design = design.expect("heights");
+        println!("{}: {}", design.rounds, design.verdict());
+        assert!(design.largest_residual() < 1e-6 && design.is_reached());
+    }
 }
 
 #[test]

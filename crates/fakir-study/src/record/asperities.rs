@@ -160,7 +160,8 @@ fn head() -> [Named<AsperityArray>; 4] {
         }),
         Named::word("lens_shape", "shape of a lens", |it: &AsperityArray| {
             it.indenter().lens().map(ShapedLens::shape_name)
-        }),
+        })
+        .in_objects(),
     ]
 }
 

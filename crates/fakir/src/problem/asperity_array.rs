@@ -208,8 +208,7 @@ impl AsperityArray {
     pub fn tabor_number(&self, range: f64) -> f64 {
         let elastic = self.adhesion.receding() / self.reduced_modulus();
         let curvatures = self.asperities.iter();
-        let curvatures = curvatures
-            .map(|asperity| asperity.top_radius.recip() + self.lens_curvature(asperity.apex));
+        let curvatures = curvatures.map(|asperity| self.relative_curvature(asperity));
         let curvature = curvatures.fold(f64::INFINITY, f64::min);
         (elastic * elastic / curvature).cbrt() / range
     }
@@ -276,20 +275,43 @@ impl AsperityArray {
         })
     }
 
-    /// Mean curvature of the lens above a point, 1/m; on the axis for a sphere and a paraboloid, zero for a plate.
-    fn lens_curvature(&self, point: Point) -> f64 {
-        let Some(lens) = self.indenter.lens() else {
-            return 0.0;
-        };
-        match lens.shape {
+    /// Mean curvature of an asperity relative to the lens, 1/m: the sum of its own and that of the lens, above its summit for a profile, on
+    /// the axis for other shapes.
+    #[must_use]
+    pub fn relative_curvature(&self, asperity: &Asperity) -> f64 {
+        let of_lens = self.indenter.lens().map_or(0.0, |lens| match lens.shape {
             LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => radius.recip(),
             LensShape::Cylinder { radius, .. } => 0.5 / radius,
             LensShape::Plate { .. } => 0.0,
-            LensShape::Profile(_) => lens.jet(point).map_or(0.0, |jet| {
+            LensShape::Profile(_) => lens.jet(asperity.apex).map_or(0.0, |jet| {
                 let [xx, _, yy] = jet.hessian;
                 0.5 * (xx + yy)
             }),
+        });
+        asperity.top_radius.recip() + of_lens
+    }
+
+    /// Indentation at which an asperity would be touched if its height were that of the reference level, m: the minimum over the plane of the
+    /// height of the lens plus the depth of the asperity below its summit. From the curvature on the axis of a sphere, and from the
+    /// derivatives above the summit for other shapes.
+    #[must_use]
+    pub fn level_of_touch(&self, asperity: &Asperity) -> f64 {
+        let Some(lens) = self.indenter.lens() else {
+            return 0.0;
+        };
+        let [x, y] = asperity.apex;
+        if let LensShape::Sphere { radius } = lens.shape {
+            return 0.5 * (x * x + y * y) / (radius + asperity.top_radius);
         }
+        // The minimum of the height of the lens above the top, to second order.
+        lens.jet(asperity.apex).map_or(f64::INFINITY, |jet| {
+            let own = asperity.top_radius.recip();
+            let [xx, xy, yy] = jet.hessian;
+            let [xx, yy] = [xx + own, yy + own];
+            let [u, v] = jet.gradient;
+            let square = (u * u * yy - 2.0 * u * v * xy + v * v * xx) / (xx * yy - xy * xy);
+            jet.value - 0.5 * square
+        })
     }
 }
 

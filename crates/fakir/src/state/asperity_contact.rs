@@ -79,7 +79,8 @@ pub struct AsperityContact {
     pub force: f64,
     /// Area in contact, m^2.
     pub area: f64,
-    /// Distance from the lens axis of the farthest point in contact, m; `None` for a plate.
+    /// Distance from the lens axis of the farthest point in contact, m; from the origin for a cylinder and a tilted plate, `None` for a level
+    /// plate.
     pub contact_radius: Option<f64>,
     /// Every asperity, in the order of the array.
     pub asperities: Vec<AsperityState>,
