@@ -309,6 +309,8 @@ class AsperityPressNumbers(Contact):
     '`spectral`.'
     indenter: Number[str]
     '`lens` or `plate`.'
+    lens_shape: Number[str]
+    'Shape of a lens.'
     contact_area: Number[float]
     'Area of all contacts, A (m^2).'
     contact_radius: Number[float | None]

@@ -39,8 +39,9 @@ impl<'a> AsperityAnswer<'a> {
         }
     }
 
-    /// Whether the floor, at this depth below the level of zero indentation, is certainly not reached: pressure only moves it away, and
-    /// tension lifts it nowhere by more than the sum of what each contact under tension lifts at its own edge, `2 |F|/(pi E* b)` or less.
+    /// Whether the floor among the pillars, at this depth below the level of zero indentation, is certainly not reached: pressure only moves
+    /// it away from the lens, whose lowest point is on its axis or, of a tilted plate, above the outermost pillar, and tension lifts it
+    /// nowhere by more than the sum of what each contact under tension lifts at its own edge, `2 |F|/(pi E* b)` or less.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
         let tensile = self.contact.asperities.iter();
         let tensile = tensile.filter(|asperity| asperity.force < 0.0 && asperity.radius > 0.0);
@@ -50,7 +51,13 @@ impl<'a> AsperityAnswer<'a> {
                 -2.0 * asperity.force / (std::f64::consts::PI * modulus * asperity.radius)
             })
             .sum();
-        self.contact.indentation + lifted < self.height
+        let tops = self.field.asperities().iter();
+        let depths = tops.map(|asperity| {
+            let lens = self.field.indenter().lens();
+            lens.map_or(0.0, |lens| -lens.sag(asperity.apex))
+        });
+        let deepest = depths.fold(0.0, f64::max);
+        self.contact.indentation + deepest + lifted < self.height
     }
 
     /// Effects that are neglected.

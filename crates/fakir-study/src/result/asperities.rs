@@ -38,8 +38,13 @@ pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
         words.push("the error could not be estimated".to_owned());
     }
     if !answer.floor_is_out_of_reach() {
+        let what = if contact.indentation < height {
+            "the lowest point of the lens, with the surface lifted by tension, may be further below the level of zero indentation than"
+        } else {
+            "the indentation is not below"
+        };
         words.push(format!(
-            "the indentation is not below the height of the common pillar, {}: the floor may be reached, and its load is neglected with rounded tops",
+            "{what} the height of the common pillar, {}: the floor may be reached, and its load is neglected with rounded tops",
             with_unit(height, Dimension::Length, LENGTH_DIGITS)
         ));
     }
