@@ -199,9 +199,8 @@ pub(crate) fn file(values: &Values, table: Option<&GivenFile>) -> Result<CaseFil
         .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
         .collect();
     let file = CaseFile::from_settings("the page", settings?);
-    let named = match values.get(Key::Pillars.path()) {
-        Some(Setting::Word(name)) => name,
-        _ => return Ok(file),
+    let Some(Setting::Word(named)) = values.get(Key::Pillars.path()) else {
+        return Ok(file);
     };
     // No file is read from the disk.
     let Some(table) = table.filter(|table| table.name == *named) else {
