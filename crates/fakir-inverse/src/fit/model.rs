@@ -9,7 +9,7 @@ use super::options::FitOptions;
 use super::over_time::{Curves, Reach};
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
-use super::subject::{FittedCycle, Subject, is_known, some};
+use super::subject::{FittedCycle, Subject, some};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, Relaxation, UnloadingPoint};
@@ -1043,9 +1043,6 @@ impl<'a> Model<'a> {
             .map_or(f64::INFINITY, |turn| turn.position);
         let deepest = cycle.and_then(FittedCycle::critical_indentation);
         let deepest = deepest.unwrap_or(f64::INFINITY);
-        let largest = self.largest_force();
-        let known = [Branch::Loading, Branch::Unloading]
-            .map(|branch| cycle.is_none_or(|cycle| cycle.is_known(branch, largest)));
         let state = |(number, row): (usize, &Measurement)| {
             let branch = self.branches[number];
             let moment = self.moments[number];
@@ -1071,7 +1068,7 @@ impl<'a> Model<'a> {
                 smooth_radius: average.contact_radius,
                 smallest_floor_gap: None,
                 past_transition: is_beyond(position, end) || is_beyond(place.indentation, deepest),
-                converged: known[usize::from(branch == Branch::Unloading)],
+                converged: cycle.is_none_or(FittedCycle::converged),
                 problem: None,
             }
         };
@@ -1246,10 +1243,12 @@ impl<'a> Model<'a> {
     /// Whether a contact is solved, and its force known well enough for a row. The first force on the floor may have no digit, as only the whole force is
     /// compared; nor the force of a row close to the first contact, if its error is small beside the measured forces.
     pub(super) fn is_known(&self, contact: &ContactState) -> bool {
-        let (force, error) = (contact.force, contact.error.force);
-        let is_contact = force > 0.0 || within(error, LARGEST_ERROR);
-        contact.is_answer()
-            || contact.converged() && is_contact && is_known(force, error, self.largest_force())
+        /// Fraction of the largest measured force.
+        const NEGLIGIBLE: f64 = 1e-4;
+        let error = contact.error.force;
+        let is_small =
+            contact.force > 0.0 && within(error * contact.force, NEGLIGIBLE * self.largest_force());
+        contact.is_answer() || contact.converged() && (within(error, LARGEST_ERROR) || is_small)
     }
 
     pub(super) fn contact(&self, case: &Case, load: Load) -> Result<ContactState, SolveError> {

@@ -1,9 +1,8 @@
 //! What a fit presses a lens on: pillars or a flat surface.
 
 use super::error::FitError;
-use fakir::numerics::convergence::within;
 use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load};
-use fakir::state::{Branch, Cycle, FlatContact, FlatCycle, LARGEST_ERROR, Limit, Run, SolveError};
+use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::approach::Loadable;
 use fakir_study::result::cycle_warnings;
@@ -150,14 +149,6 @@ pub(super) fn some(adhesion: Adhesion) -> Adhesion {
     }
 }
 
-/// Whether a force with an estimated relative error is known well enough for a row: it has a first digit, or the error is small beside the largest measured
-/// force.
-pub(super) fn is_known(force: f64, error: f64, largest: f64) -> bool {
-    /// Fraction of the largest measured force.
-    const NEGLIGIBLE: f64 = 1e-4;
-    within(error, LARGEST_ERROR) || within(error * force.abs(), NEGLIGIBLE * largest)
-}
-
 /// The cycle of a fit with adhesion.
 #[derive(Debug, Clone)]
 pub enum FittedCycle {
@@ -189,32 +180,6 @@ impl FittedCycle {
         }
     }
 
-    /// Whether the forces of a branch are known well enough for its rows: at the end of the loading, and at pull-off, which is compared with rows of the
-    /// unloading. `largest` is the largest measured force, N.
-    pub(super) fn is_known(&self, branch: Branch, largest: f64) -> bool {
-        let (turn, pull_off) = match self {
-            Self::Pillars(cycle) => {
-                let pull_off = cycle.pull_off.as_ref().map(|it| it.force);
-                let error = cycle.errors.pull_off_force.numerical();
-                // An adhesive floor has separate errors.
-                let turn = Some(&cycle.turn).filter(|turn| turn.floor.is_none());
-                (
-                    turn.map(|turn| [turn.force, turn.error.force]),
-                    pull_off.map(|force| [force, error]),
-                )
-            }
-            Self::Flat(cycle, _) => {
-                let of = |contact: &FlatContact| [contact.force, contact.error.force];
-                (Some(of(&cycle.turn)), cycle.pull_off.as_ref().map(of))
-            }
-        };
-        let compared = match branch {
-            Branch::Loading => turn,
-            Branch::Unloading => pull_off,
-        };
-        self.converged() && compared.is_none_or(|[force, error]| is_known(force, error, largest))
-    }
-
     /// Limits of the model at the end of the loading.
     #[must_use]
     pub fn limits(&self) -> Vec<Limit> {
@@ -244,39 +209,5 @@ impl FittedCycle {
                 warnings.chain(unresolved).collect()
             }
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use fakir::problem::{FlatSystem, Lens, Material, UnloadingPoint};
-
-    /// The rows of the branch whose force has no first digit are not known, unless the force is negligible.
-    #[test]
-    fn a_pull_off_that_is_not_resolved_concerns_the_rows_of_the_unloading() {
-        let material = Material::new(2e6, 0.5);
-        let lens = Lens {
-            radius: 2e-3,
-            material,
-        };
-        let system = FlatSystem::new(lens, material).unwrap();
-        let system = system.with_adhesion(Adhesion::new(50e-3)).unwrap();
-        let plan = CyclePlan {
-            turn: UnloadingPoint::Indentation(1e-6),
-            ..CyclePlan::default()
-        };
-        let mut cycle = system.cycle(&plan, &Run::default()).unwrap();
-        let known = |cycle: &FlatCycle, largest| {
-            let cycle = FittedCycle::Flat(Box::new(cycle.clone()), Vec::new());
-            [Branch::Loading, Branch::Unloading].map(|branch| cycle.is_known(branch, largest))
-        };
-        assert_eq!(known(&cycle, 1e-3), [true, true]);
-        cycle.pull_off.as_mut().unwrap().error.force = 0.6;
-        assert_eq!(known(&cycle, 1e-3), [true, false]);
-        // -(3/2) pi w R is half a millinewton.
-        assert_eq!(known(&cycle, 10.0), [true, true]);
-        cycle.turn.error.force = f64::NAN;
-        assert_eq!(known(&cycle, 10.0), [false, true]);
     }
 }

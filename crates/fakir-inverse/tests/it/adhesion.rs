@@ -5,10 +5,7 @@ use chacha20::rand_core::SeedableRng;
 use fakir::problem::{CyclePlan, LoadingMode, UnloadingPoint};
 use fakir::state::{Branch, Cycle, Run, Termination};
 use fakir_case::{Case, CaseFile, Key};
-use fakir_inverse::fit::{
-    Column, Fit, FitOptions, MeasuredCurve, Measurements, Parameter, fit, fit_jointly,
-    shared_by_default,
-};
+use fakir_inverse::fit::{Column, Fit, FitOptions, Measurements, Parameter, fit};
 use rand_distr::{Distribution, Normal};
 
 const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
@@ -205,70 +202,6 @@ fn a_receding_work_is_determined_from_data_of_both_branches() {
         "{pull_off:?}"
     );
     assert!(pull_off.model_error > 0.0 && pull_off.work_error.is_some_and(|error| error > 0.0));
-}
-
-/// Two curves on pillars with different contact points, with noise: modulus and work of adhesion are shared.
-#[test]
-fn curves_of_adhesive_pillars_are_fitted_together() {
-    let case = case_file(&["pattern.surface_fraction=0.01"])
-        .case()
-        .unwrap();
-    let plan = |turn: f64| CyclePlan {
-        turn: UnloadingPoint::Indentation(turn),
-        ..CyclePlan::default()
-    };
-    let shifts = [0.0, 0.4e-6];
-    let curves = [0.7e-6, 0.9e-6].into_iter().zip(shifts).zip(1..);
-    let curves = curves.map(|((turn, shift), seed)| {
-        let cycle = fakir::cycle(&case.system, plan(turn), case.method, &Run::default());
-        let mut columns = noisy(&readings(&cycle.unwrap(), 0.0, 0.043e-6), seed, NOISE);
-        columns[0]
-            .1
-            .iter_mut()
-            .for_each(|reading| *reading += shift);
-        let options = FitOptions {
-            force_offset: OFFSET,
-            ..FitOptions::default()
-        };
-        MeasuredCurve {
-            name: format!("{seed}.csv"),
-            data: Ok((Measurements::new(&columns).unwrap(), options)),
-        }
-    });
-    let free = [SUBSTRATE, WORK, Parameter::ContactPoint];
-    let shared = shared_by_default(&free);
-    let begin = case_file(&[
-        "pattern.surface_fraction=0.01",
-        "substrate.young_modulus=1.5MPa",
-    ]);
-    let found = fit_jointly(
-        &begin,
-        curves.collect(),
-        &free,
-        &shared,
-        &Run::default(),
-        &|| {},
-    );
-    let found = found.unwrap();
-    assert!(
-        found.converged() && found.agrees(),
-        "{:?}",
-        found.termination
-    );
-    for (estimate, truth) in found.shared.iter().zip([2e6, 0.03]) {
-        let error = estimate.standard_error.unwrap();
-        println!("{estimate:?}");
-        assert!((estimate.value - truth).abs() < 3.0 * error, "{estimate:?}");
-        assert!(error < 0.05 * truth, "{estimate:?}");
-    }
-    for (curve, shift) in found.curves.iter().zip(shifts) {
-        let fit = &curve.converged().unwrap().fit;
-        let mut estimates = fit.estimates.iter();
-        let point = estimates.find(|it| it.parameter == Parameter::ContactPoint);
-        let point = point.unwrap();
-        let off = (point.value - CONTACT_POINT - shift).abs();
-        assert!(off < 3.0 * point.standard_error.unwrap(), "{point:?}");
-    }
 }
 
 /// Both branches without adhesion, with noise: the work of adhesion found is zero or nearly so.

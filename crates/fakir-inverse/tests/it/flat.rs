@@ -6,10 +6,7 @@ use fakir::problem::Load;
 use fakir::state::{Branch, Run};
 use fakir::theory::adhesion::{adhesive_sphere, sphere_pull_off_by_displacement};
 use fakir_case::{CaseFile, Key};
-use fakir_inverse::fit::{
-    Column, Fit, FitError, FitOptions, MeasuredCurve, Measurements, Parameter, fit, fit_jointly,
-    shared_by_default,
-};
+use fakir_inverse::fit::{Column, Fit, FitError, FitOptions, Measurements, Parameter, fit};
 use rand_distr::{Distribution, Normal};
 
 const SUBSTRATE: Parameter = Parameter::Key(Key::SubstrateYoungModulus);
@@ -193,58 +190,6 @@ fn parameters_of_jkr_are_found_again() {
     let data = Measurements::new(&loading).unwrap();
     let found = fitted(&begin, &data, &[SUBSTRATE, WORK, POINT, OFFSET]);
     close(value(&found, WORK), TRUE_WORK, 1e-6);
-}
-
-/// Curves with different contact points and offsets, fitted together: modulus and work are shared. Without noise all are exact; with noise the intervals
-/// contain the truth.
-#[test]
-fn adhesive_curves_are_fitted_together() {
-    let free = [SUBSTRATE, WORK, POINT, OFFSET];
-    let begin = file(&["adhesion.work=20mJ/m2"]);
-    let shifts = [0.0, 1.3e-6, -0.7e-6];
-    let together = |noise: f64| {
-        let curves = shifts.iter().zip(1..).map(|(shift, seed)| {
-            let mut columns = jkr();
-            for (column, values) in &mut columns {
-                let by = match column {
-                    Column::Displacement => *shift,
-                    _ => 2.0 * shift, // in N, of the offset
-                };
-                values.iter_mut().for_each(|value| *value += by);
-            }
-            MeasuredCurve {
-                name: format!("{seed}.csv"),
-                data: Ok((noisy(&columns, seed, noise), FitOptions::default())),
-            }
-        });
-        let shared = shared_by_default(&free);
-        assert_eq!(shared, [SUBSTRATE, WORK]);
-        let run = Run::default();
-        fit_jointly(&begin, curves.collect(), &free, &shared, &run, &|| {}).unwrap()
-    };
-    let exact = together(1e-15);
-    assert!(exact.converged(), "{:?}", exact.termination);
-    close(exact.shared[0].value, TRUE_MODULUS, 1e-6);
-    close(exact.shared[1].value, TRUE_WORK, 1e-6);
-    for (curve, shift) in exact.curves.iter().zip(shifts) {
-        let found = &curve.converged().unwrap().fit;
-        close(value(found, POINT), TRUE_POINT + shift, 1e-6);
-        close(value(found, OFFSET), TRUE_OFFSET + 2.0 * shift, 1e-4);
-    }
-    let found = together(1e-6);
-    assert!(found.converged() && found.agrees() && found.describes_data());
-    for (estimate, truth) in found.shared.iter().zip([TRUE_MODULUS, TRUE_WORK]) {
-        let error = estimate.standard_error.unwrap();
-        assert!((estimate.value - truth).abs() < 3.0 * error, "{estimate:?}");
-        // Three curves are known better than one, by about the root of three.
-        let alone = found.separate.iter().flatten();
-        let alone = alone.filter(|it| it.parameter == estimate.parameter);
-        assert!(alone.clone().count() == 3);
-        for single in alone {
-            let ratio = single.standard_error.unwrap() / error;
-            assert!((1.2..2.5).contains(&ratio), "{ratio}");
-        }
-    }
 }
 
 /// With a machine of this compliance the displacements are those of its end; with a larger receding work the rim stays at first.
