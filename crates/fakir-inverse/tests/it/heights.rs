@@ -70,27 +70,34 @@ fn area_in_proportion_to_the_force() {
 }
 
 /// Heights compensate for the shape of the lens: the same curve is reached under every shape.
+fn check_under_lens(shape: LensShape) {
+    let lens = ShapedLens::new(shape, Material::new(1e12, 0.0));
+    let plain = field(1500.0);
+    let tops = plain.asperities().to_vec();
+    let field = AsperityArray::new(lens.into(), *plain.substrate(), tops).expect("a field");
+    let wanted = of_force(|force| 10.0 * force);
+    let design = design_heights(&field, Curve::AreaOfForce, &wanted, 1, &Run::default());
+    let design = design.expect("heights");
+    println!("{}: {}", design.rounds, design.verdict());
+    assert!(design.largest_residual() < 1e-6 && design.is_reached());
+}
+
 #[test]
+fn area_in_proportion_to_the_force_under_a_paraboloid() {
+    check_under_lens(LensShape::Paraboloid { radius: 0.05 });
+}
+
+#[test]
+#[ignore = "slow: a tilted plate and a cylinder"]
 fn area_in_proportion_to_the_force_under_other_lenses() {
-    let radius = 0.05;
-    for shape in [
-        LensShape::Plate {
-            tilt: 1e-3,
-            direction: 0.4,
-        },
-        LensShape::Paraboloid { radius },
-        LensShape::Cylinder { radius, angle: 0.7 },
-    ] {
-        let lens = ShapedLens::new(shape, Material::new(1e12, 0.0));
-        let plain = field(1500.0);
-        let tops = plain.asperities().to_vec();
-        let field = AsperityArray::new(lens.into(), *plain.substrate(), tops).expect("a field");
-        let wanted = of_force(|force| 10.0 * force);
-        let design = design_heights(&field, Curve::AreaOfForce, &wanted, 1, &Run::default());
-        let design = design.expect("heights");
-        println!("{}: {}", design.rounds, design.verdict());
-        assert!(design.largest_residual() < 1e-6 && design.is_reached());
-    }
+    check_under_lens(LensShape::Plate {
+        tilt: 1e-3,
+        direction: 0.4,
+    });
+    check_under_lens(LensShape::Cylinder {
+        radius: 0.05,
+        angle: 0.7,
+    });
 }
 
 #[test]
