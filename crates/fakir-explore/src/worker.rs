@@ -46,12 +46,12 @@ impl Kind {
         })
     }
 
-    /// Largest body of a request, bytes: a curve is sent whole.
+    /// Largest body of a request, bytes: a curve and a table of pillars are sent whole.
     #[cfg(feature = "server")]
     pub(crate) fn largest_body(self) -> usize {
         match self {
             Self::Fit => 12_000_000,
-            _ => 32 * 1024,
+            _ => 1024 * 1024,
         }
     }
 
