@@ -29,7 +29,7 @@ pub(crate) struct Surface {
     /// The case file it was read from, if any.
     file: Option<CaseFile>,
     /// The keys of the bodies, for a lens on a surface that was not read.
-    bodies: Option<CaseFile>,
+    bodies: Option<Box<CaseFile>>,
     /// The canonical text of that case.
     text: Option<String>,
 }
@@ -82,7 +82,7 @@ impl Surface {
                 None => system,
             },
             file: None,
-            bodies,
+            bodies: bodies.map(Box::new),
             text: None,
         })
     }
@@ -160,7 +160,7 @@ impl Surface {
     /// Values of the lens by their keys, if it is one.
     #[getter]
     fn lens<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let file = self.file.as_ref().or(self.bodies.as_ref());
+        let file = self.file.as_ref().or(self.bodies.as_deref());
         let (Some(_), Some(file)) = (self.system.indenter().lens(), file) else {
             return Ok(None);
         };

@@ -5,8 +5,11 @@ use crate::error::FigureError;
 use crate::series::{Marker, Series, Style};
 use fakir::state::{Branch, CycleEventKind};
 
-/// The branches with their names and lines.
-pub(super) const BRANCHES: [(Branch, &str, fn() -> Style); 2] = [
+/// A branch with its name and its line.
+type NamedBranch = (Branch, &'static str, fn() -> Style);
+
+/// Both branches.
+pub(super) const BRANCHES: [NamedBranch; 2] = [
     (Branch::Loading, "loading", || {
         Style::line(0).in_tint(Tint::Blue)
     }),
@@ -34,7 +37,7 @@ pub(super) fn largest<S>(load_steps: &[S], value: fn(&S) -> f64) -> f64 {
 
 /// Lines of both branches through points in the units of a chart; with their names only where there are points.
 pub(super) fn lines(is_named: bool, points: impl Fn(Branch) -> Vec<[f64; 2]>) -> Vec<Series> {
-    let line = |(branch, name, style): (Branch, &str, fn() -> Style)| {
+    let line = |(branch, name, style): NamedBranch| {
         let points = points(branch);
         if is_named && !points.is_empty() {
             Series::new(name, points, style())
