@@ -46,6 +46,10 @@ const ANGLE_ERROR: f64 = 2e-5;
 /// Relative error of the forces on tops due to the degree `p` of the pressure, divided by `pitch^-(2p + 2)`.
 const DEGREE_ERROR: f64 = 2e-3;
 
+/// The same of a critical state, where the gap at the floor depends on the pressures that the degree leaves out: three times what 25 tops of a
+/// square lattice at a pitch of 4.8 pillar radii lack for degree 2 (4e-6 of the force, 3e-6 of the indentation).
+const FLOOR_GAP_DEGREE_ERROR: f64 = 0.14;
+
 /// The same due to layers of thickness `t` and weight `w` under the tops, divided by `w t^-(2p + 5)`, and that of the stress intensity factor divided by
 /// `w t^-(p + 3)`: three times what one top on a film lacks at `t` of 2 to 10 top radii, for degrees 2 and 4.
 const LAYER_DEGREE_ERROR: f64 = 1e-3;
@@ -264,7 +268,7 @@ impl<'a> Loading<'a> {
                     let indentation = self.path.indentation();
                     self.floor_in_jump = lowest.indentation < (1.0 - SOLVER_ERROR) * indentation;
                     let state = self.state(Termination::Converged);
-                    let [force, indentation] = self.jump_errors();
+                    let [force, indentation] = self.critical_errors();
                     let contact = ContactState {
                         smallest_floor_gap: 0.0, // exact up to rounding
                         error: ErrorEstimate {
@@ -434,12 +438,15 @@ impl<'a> Loading<'a> {
         warnings
     }
 
-    /// Relative errors of force and indentation of a critical state where a top jumps into contact: the place of the jump depends on the gap
-    /// at its rim, as the load at which a rim detaches.
-    fn jump_errors(&self) -> [f64; 2] {
+    /// Relative errors of force and indentation of a critical state due to the degree of the pressure, besides that of forces: the floor gap
+    /// depends on it, and where a top jumps into contact the place of the jump depends on the gap at its rim, as the load at which a rim
+    /// detaches.
+    fn critical_errors(&self) -> [f64; 2] {
         let [_, rim] = self.degree_errors();
-        let error = if self.floor_in_jump { rim } else { 0.0 };
-        [error, INDENTATION_SHARE * error]
+        let jump = if self.floor_in_jump { rim } else { 0.0 };
+        let pitch = self.path.scene.field.least_gap() + 2.0;
+        let of_gap = FLOOR_GAP_DEGREE_ERROR * pitch.powi(-2 * self.path.tops.degree() as i32 - 2);
+        [of_gap + jump, of_gap + INDENTATION_SHARE * jump]
     }
 
     /// Relative errors due to the degree of the pressure: of forces, and of the load at which a rim detaches.
@@ -651,7 +658,7 @@ impl Loading<'_> {
         let of_critical = critical.map_or([0.0; 2], |critical| {
             self.errors_of_parts(&critical.contact.pillars, critical.contact.force)
         });
-        let jumps = self.jump_errors();
+        let jumps = self.critical_errors();
         let [critical_force, critical_indentation] = [0, 1].map(|which| {
             let part = [1.0, INDENTATION_SHARE][which];
             let [levels, fronts] = of_critical.map(|error| part * error);
