@@ -18,7 +18,7 @@ from ._history import Viscoelastic
 from ._loading import Loading, checked_path
 from ._numbers import FlatCycleNumbers, FlatPressNumbers
 from ._quantity import FloatArray, Quantity, array
-from ._run import Progress, options, warn
+from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, settings
 from ._verification import Opinion, checked_cells
 from .errors import NotConverged
@@ -230,6 +230,7 @@ class FlatSystem(Viscoelastic, Shown):
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
         question = load(indentation, force)
+        warn_of_interactions(self._flat, "verify", depth=1)
         summary, disc = _fakir.verify_flat(self._flat, *question, cells_per_diameter, run)
         return FlatVerification(json.loads(summary), FlatContact(disc, self))
 

@@ -165,9 +165,8 @@ pub(crate) fn verify_flat(
     })?;
     let found = found.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let indenter = system.lens().map_or("punch", |_| "lens");
     let summary = json(&SurfaceVerifySummary::of_flat(
-        load, &found, indenter, wall_time,
+        system, load, &found, wall_time,
     ));
     Ok((summary, flat.answer(&found.disc, wall_time)))
 }

@@ -95,18 +95,20 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     let mut columns = vec![
         Column::text("Answer", |row: &AnswerRow| row.name.clone()),
         Column::quantity("force", Dimension::Force, rows, |row| Some(row.force_N)),
-        Column::right("error", |row| error(row.force_error_estimate)),
+        Column::right("error", |row| estimate(Some(row.force_error_estimate))),
         Column::quantity("zeta", Dimension::Length, rows, |row| {
             Some(row.indentation_m)
         }),
-        Column::right("error", |row| error(row.indentation_error_estimate)),
+        Column::right("error", |row| {
+            estimate(Some(row.indentation_error_estimate))
+        }),
     ];
     if verification.floor_share.is_some() {
         columns.push(Column::number("on the floor", DIGITS, |row| {
             row.floor_share
         }));
         columns.push(Column::right("error", |row| {
-            row.floor_share_error_estimate.map_or("-".to_owned(), error)
+            estimate(row.floor_share_error_estimate)
         }));
     }
     columns.extend([
@@ -121,11 +123,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             row.pillars_partially_in_contact.to_string()
         }),
     ]);
-    let verdict = match verification.verdict() {
-        Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
-        Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
-        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
-    };
+    let verdict = verdict_words(verification.verdict());
     format!(
         "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
         pillar_pattern_line(&case.system),
@@ -142,12 +140,12 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     )
 }
 
-/// An error estimate; none of what was prescribed.
-fn error(value: f64) -> String {
-    if value > 0.0 {
-        significant(value, 1)
-    } else {
-        "-".to_owned()
+/// The verdict on two methods.
+fn verdict_words(verdict: Verdict) -> String {
+    match verdict {
+        Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
+        Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
+        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
     }
 }
 
@@ -180,14 +178,9 @@ fn of_flat(
     let found = fakir::verify_flat(&case.system, control, cells, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
     let described = described(any)?;
-    let indenter = case.system.lens().map_or("punch", |_| "lens");
-    let summary = SurfaceVerifySummary::of_flat(control, &found, indenter, wall_time);
+    let summary = SurfaceVerifySummary::of_flat(&case.system, control, &found, wall_time);
     let rows = summary.answers();
-    let verdict = match found.verdict() {
-        Verdict::Agree => "The two methods agree within their error estimates".to_owned(),
-        Verdict::Disagree => "THE TWO METHODS DISAGREE beyond their error estimates".to_owned(),
-        Verdict::CannotTell(doubt) => format!("INCONCLUSIVE: {doubt}"),
-    };
+    let verdict = verdict_words(found.verdict());
     let [of_disc, of_elements] = [
         warnings(&found.disc),
         found.elements.iter().flat_map(warnings).collect(),

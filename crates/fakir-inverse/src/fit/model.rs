@@ -6,7 +6,7 @@ use super::curve::Curve;
 use super::error::FitError;
 use super::measurements::{Measurement, Measurements, Position};
 use super::options::FitOptions;
-use super::over_time::{Curves, Reach};
+use super::over_time::{CaseCurve, Curves, Reach};
 use super::parameter::Parameter;
 use super::radius::smooth_radius;
 use super::subject::{FittedCycle, Subject, some};
@@ -791,7 +791,7 @@ impl<'a> Model<'a> {
     }
 
     /// The loads of all rows over time, without the contributions of the instrument, and what they are.
-    fn history(&self, settings: &Settings) -> (MeasuredBy, Vec<MeasuredLoad>) {
+    fn history(&self, settings: &Settings) -> History {
         let position = self.data.position();
         let by = match position {
             Position::None => MeasuredBy::Force,
@@ -804,7 +804,34 @@ impl<'a> Model<'a> {
             time: row.time.unwrap_or(0.0),
             load: settings.load(position, load_of(row), *moment),
         });
-        (by, loads.collect())
+        let loads: Vec<MeasuredLoad> = loads.collect();
+        History {
+            by,
+            largest: loads.iter().map(|load| load.load).fold(0.0, larger),
+            loads,
+        }
+    }
+
+    /// The elastic curve for a history; `None` if it contains no load.
+    fn curve_over_time(
+        &self,
+        settings: &Settings,
+        &History { by, largest, .. }: &History,
+    ) -> Result<Option<CaseCurve>, FitError> {
+        if largest <= 0.0 {
+            return Ok(None);
+        }
+        let reach = match by {
+            MeasuredBy::Force => Reach::Force(largest),
+            // A negative compliance moves the lens further than it was measured.
+            MeasuredBy::Position { compliance } => {
+                Reach::Indentation(largest + larger(-compliance, 0.0) * self.largest_force())
+            }
+        };
+        let of = self
+            .curves
+            .of(&settings.case, reach, &self.single, &self.solved)?;
+        Ok(Some(of))
     }
 
     /// The states of viscoelastic bodies: those of the whole history of the measured loads.
@@ -815,27 +842,19 @@ impl<'a> Model<'a> {
     ) -> Result<Vec<State>, FitError> {
         /// Relative step of the level of the contact for its stiffness.
         const STEP: f64 = 1e-3;
-        let (by, loads) = self.history(settings);
-        let largest = loads.iter().map(|load| load.load).fold(0.0, larger);
-        let (reach, compliance) = match by {
-            MeasuredBy::Force => (Reach::Force(largest), 0.0),
-            // A negative compliance moves the lens further than it was measured.
-            MeasuredBy::Position { compliance } => {
-                let more = larger(-compliance, 0.0) * self.largest_force();
-                (Reach::Indentation(largest + more), compliance)
-            }
-        };
+        let measured = self.history(settings);
         let without = |load: &MeasuredLoad| State::without_contact(load.load);
-        if largest <= 0.0 {
-            return Ok(loads.iter().map(without).collect());
-        }
-        let curve = self
-            .curves
-            .of(&settings.case, reach, &self.single, &self.solved)?;
+        let Some(curve) = self.curve_over_time(settings, &measured)? else {
+            return Ok(measured.loads.iter().map(without).collect());
+        };
+        let History { by, loads, largest } = measured;
         let elastic = &curve.elastic;
         let history = measured_history(elastic, relaxation, by, &loads);
         let history = history.ok_or(FitError::NoBalance {
-            compliance,
+            compliance: match by {
+                MeasuredBy::Force => 0.0,
+                MeasuredBy::Position { compliance } => compliance,
+            },
             reading: largest + settings.contact_point,
         })?;
         let rows = self.data.rows().iter().zip(&self.moments).zip(&history);
@@ -878,19 +897,8 @@ impl<'a> Model<'a> {
 
     /// Estimated relative error of the forces of viscoelastic bodies, due to the interpolation of the elastic curve and to its contacts.
     pub(super) fn error_over_time(&self, settings: &Settings) -> Result<f64, FitError> {
-        let (by, loads) = self.history(settings);
-        let largest = loads.iter().map(|load| load.load).fold(0.0, larger);
-        if largest <= 0.0 {
-            return Ok(0.0);
-        }
-        let reach = match by {
-            MeasuredBy::Force => Reach::Force(largest),
-            MeasuredBy::Position { .. } => Reach::Indentation(largest),
-        };
-        let curve = self
-            .curves
-            .of(&settings.case, reach, &self.single, &self.solved)?;
-        Ok(curve.elastic.error())
+        let curve = self.curve_over_time(settings, &self.history(settings))?;
+        Ok(curve.map_or(0.0, |curve| curve.elastic.error()))
     }
 
     /// Whether the model has no state for any row, and the first reason.
@@ -1556,6 +1564,14 @@ impl<'a> Model<'a> {
             Err(_) => Ok(None),
         }
     }
+}
+
+/// The history of the measured loads.
+struct History {
+    by: MeasuredBy,
+    loads: Vec<MeasuredLoad>,
+    /// The largest load, N or m; zero if there is none.
+    largest: f64,
 }
 
 /// The relaxation of a case for data that contain times.

@@ -55,25 +55,25 @@ fn noisy(columns: &[(Column, Vec<f64>)], seed: u64, noise: f64) -> Measurements 
     Measurements::new(&columns).unwrap()
 }
 
-fn fitted(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
+pub(crate) fn fitted(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
     let found = fit(file, data, free, &FitOptions::default(), &Run::default()).unwrap();
     assert!(found.converged(), "{:?}", found.termination);
     found
 }
 
-fn value(found: &Fit, parameter: Parameter) -> f64 {
+pub(crate) fn value(found: &Fit, parameter: Parameter) -> f64 {
     let mut estimates = found.estimates.iter();
     estimates.find(|e| e.parameter == parameter).unwrap().value
 }
 
-fn covers(found: &Fit, parameter: Parameter, truth: f64) -> bool {
+pub(crate) fn covers(found: &Fit, parameter: Parameter, truth: f64) -> bool {
     let mut estimates = found.estimates.iter();
     let estimate = estimates.find(|e| e.parameter == parameter).unwrap();
     let [low, high] = estimate.interval.unwrap();
     low <= truth && truth <= high
 }
 
-fn close(found: f64, expected: f64, tolerance: f64) {
+pub(crate) fn close(found: f64, expected: f64, tolerance: f64) {
     let error = (found / expected - 1.0).abs();
     assert!(error <= tolerance, "{found:e} for {expected:e}: {error:e}");
 }

@@ -1,5 +1,6 @@
 //! Fits of data over time on viscoelastic bodies, to data from closed forms and from histories with known parameters.
 
+use crate::flat::{close, covers, fitted, value};
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
 use fakir::problem::{Load, Prescribed, Protocol, ProtocolSegment, Relaxation};
@@ -86,31 +87,13 @@ fn noisy(
     Measurements::new(&columns).unwrap()
 }
 
-fn fitted(file: &CaseFile, data: &Measurements, free: &[Parameter]) -> Fit {
-    let found = fit(file, data, free, &FitOptions::default(), &Run::default()).unwrap();
-    assert!(found.converged(), "{:?}", found.termination);
-    found
-}
-
-fn value(found: &Fit, parameter: Parameter) -> f64 {
-    let mut estimates = found.estimates.iter();
-    estimates.find(|e| e.parameter == parameter).unwrap().value
-}
-
-fn close(found: f64, expected: f64, tolerance: f64) {
-    let error = (found / expected - 1.0).abs();
-    assert!(error <= tolerance, "{found:e} for {expected:e}: {error:e}");
-}
-
 /// How many of the fits have each parameter in its 95 % interval.
 fn covered(fits: &[Fit], truths: &[(Parameter, f64)]) -> Vec<usize> {
-    let covers = |found: &&Fit, (parameter, truth): (Parameter, f64)| {
-        let mut estimates = found.estimates.iter();
-        let estimate = estimates.find(|e| e.parameter == parameter).unwrap();
-        let [low, high] = estimate.interval.unwrap();
-        low <= truth && truth <= high
+    let count = |(parameter, truth): &(Parameter, f64)| {
+        let fits = fits.iter();
+        fits.filter(|found| covers(found, *parameter, *truth))
+            .count()
     };
-    let count = |truth: &(Parameter, f64)| fits.iter().filter(|fit| covers(fit, *truth)).count();
     truths.iter().map(count).collect()
 }
 

@@ -3,7 +3,7 @@
 use crate::VERSION;
 use crate::record::{DISC, METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Boundary, Load, Method};
+use fakir::problem::{Boundary, FlatSystem, Load, Method};
 use fakir::state::{ContactState, FlatContact, SurfaceContact};
 use fakir::{Difference, FlatVerification, Verification};
 use serde::Serialize;
@@ -244,12 +244,12 @@ impl SurfaceVerifySummary {
         }
     }
 
-    /// The results with a flat surface under a `"lens"` or a `"punch"`, that of the disc first.
+    /// The results with a flat surface, that of the disc first.
     #[must_use]
     pub fn of_flat(
+        system: &FlatSystem,
         control: Load,
         verification: &FlatVerification,
-        indenter: &'static str,
         wall_time: f64,
     ) -> Self {
         let verdict = verification.verdict();
@@ -261,7 +261,7 @@ impl SurfaceVerifySummary {
         });
         Self {
             question: question_name(control),
-            indenter,
+            indenter: system.lens().map_or("punch", |_| "lens"),
             boundary: boundary_name(Boundary::FreeSpace),
             agree: verification.agrees(),
             verdict: verdict.name(),

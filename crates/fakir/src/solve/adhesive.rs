@@ -444,30 +444,33 @@ impl<'a> Loading<'a> {
     fn critical_errors(&self) -> [f64; 2] {
         let [_, rim] = self.degree_errors();
         let jump = if self.floor_in_jump { rim } else { 0.0 };
-        let pitch = self.path.scene.field.least_gap() + 2.0;
-        let of_gap = FLOOR_GAP_DEGREE_ERROR * pitch.powi(-2 * self.path.tops.degree() as i32 - 2);
+        let of_gap = FLOOR_GAP_DEGREE_ERROR * self.pitch_power(2 * self.path.tops.degree() + 2);
         [of_gap + jump, of_gap + INDENTATION_SHARE * jump]
     }
 
     /// Relative errors due to the degree of the pressure: of forces, and of the load at which a rim detaches.
     fn degree_errors(&self) -> [f64; 2] {
-        // The error for equal tops whose rims are as close as the closest ones here.
-        let pitch = self.path.scene.field.least_gap() + 2.0;
-        let degree = self.path.tops.degree() as i32;
-        let of_layers = |power: i32| -> f64 {
+        let degree = self.path.tops.degree();
+        let of_layers = |power: usize| -> f64 {
             let layers = self.path.scene.layers.iter();
             layers
-                .map(|layer| layer.weight * layer.thickness.powi(-power))
+                .map(|layer| layer.weight * layer.thickness.powi(-(power as i32)))
                 .sum()
         };
         [
             SOLVER_ERROR
-                + DEGREE_ERROR * pitch.powi(-2 * degree - 2)
+                + DEGREE_ERROR * self.pitch_power(2 * degree + 2)
                 + LAYER_DEGREE_ERROR * of_layers(2 * degree + 5),
             SOLVER_ERROR
-                + RIM_DEGREE_ERROR * pitch.powi(-degree - 2)
+                + RIM_DEGREE_ERROR * self.pitch_power(degree + 2)
                 + LAYER_RIM_ERROR * of_layers(degree + 3),
         ]
+    }
+
+    /// A negative power of the pitch of equal tops whose rims are as close as the closest ones here, in pillar radii.
+    fn pitch_power(&self, power: usize) -> f64 {
+        let pitch = self.path.scene.field.least_gap() + 2.0;
+        pitch.powi(-(power as i32))
     }
 }
 
