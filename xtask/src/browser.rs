@@ -34,14 +34,11 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let mut tests = python::pytest(&python, TESTS, marked);
     let mut programs = vec![program.clone()];
     if name == "browser" {
-        // Without the compiler's library for WebAssembly, which may not be available, the page is tested with the server.
-        match page::has_target() {
-            Ok(()) => {
-                let folder = page::build(cargo)?;
-                programs.push(folder.join("fakir.html"));
-                tests.env("PAGE", folder);
-            }
-            Err(why) => println!("{why}\nthe tests of the page without a server are left out"),
+        // Without the module the page is tested with the server.
+        let left_out = "the tests of the page without a server are left out";
+        if let Some(folder) = page::if_available(cargo, left_out)? {
+            programs.push(folder.join("fakir.html"));
+            tests.env("PAGE", folder);
         }
     }
     let programs: Vec<&Path> = programs.iter().map(PathBuf::as_path).collect();

@@ -51,8 +51,20 @@ pub(crate) fn build(cargo: &OsStr) -> Result<PathBuf, String> {
     Ok(folder)
 }
 
+/// [Builds](build) the page; `None` if the compiler's library for WebAssembly is not available, after a message that ends with what is
+/// left out then.
+pub(crate) fn if_available(cargo: &OsStr, left_out: &str) -> Result<Option<PathBuf>, String> {
+    match has_target() {
+        Ok(()) => build(cargo).map(Some),
+        Err(why) => {
+            println!("{why}\n{left_out}");
+            Ok(None)
+        }
+    }
+}
+
 /// Whether the standard library for the target is installed; rustup installs it if it is not.
-pub(crate) fn has_target() -> Result<(), String> {
+fn has_target() -> Result<(), String> {
     let installed = || {
         let output = Command::new("rustc")
             .args(["--print", "target-libdir", "--target", TARGET])

@@ -1,17 +1,14 @@
-//! The static site: `cargo xtask site` builds the manual, the documentation of the libraries and, if it is there, the page that runs in the
-//! browser, and puts them together below `target/site`.
+//! The static site: `cargo xtask site` builds the manual, the documentation of the libraries and, with the compiler's library for WebAssembly,
+//! the page that runs in the browser, and puts them together below `target/site`.
 
 use crate::shell::{run, run_cargo, target_folder};
-use crate::{book, browser, python};
+use crate::{book, browser, page, python};
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::process::Command;
 
 /// The script that puts the parts together and serves them.
 const SCRIPT: &str = "book/website.py";
-
-/// Folder below the target folder in which `cargo xtask page` writes the page that runs in the browser.
-const PAGE: &str = "fakir-page";
 
 /// Options of `cargo xtask site`.
 pub(crate) struct Options {
@@ -43,7 +40,7 @@ impl Options {
 pub(crate) fn build(cargo: &OsStr, options: &Options) -> Result<(), String> {
     book::check(cargo)?;
     documentation(cargo)?;
-    let folder = assemble(options)?;
+    let folder = assemble(cargo, options)?;
     println!("to look at it: python {SCRIPT} serve {}", folder.display());
     Ok(())
 }
@@ -55,10 +52,11 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
         book::check(cargo)?;
     }
     documentation(cargo)?;
-    let folder = assemble(&Options {
+    let options = Options {
         version: "dev".to_owned(),
         folder: None,
-    })?;
+    };
+    let folder = assemble(cargo, &options)?;
     let (interpreter, _) = python::prepare(cargo, browser::TESTS)?;
     let mut tests = python::pytest(&interpreter, "tests/browser/test_site.py", "not smoke");
     run(tests
@@ -74,8 +72,8 @@ fn documentation(cargo: &OsStr) -> Result<(), String> {
     )
 }
 
-/// Puts the parts together; returns the folder of the site.
-fn assemble(options: &Options) -> Result<PathBuf, String> {
+/// Builds the page and puts all parts together; returns the folder of the site.
+fn assemble(cargo: &OsStr, options: &Options) -> Result<PathBuf, String> {
     let target = target_folder()?;
     let folder = match &options.folder {
         Some(folder) => folder.clone(),
@@ -87,8 +85,8 @@ fn assemble(options: &Options) -> Result<PathBuf, String> {
     script.arg(&options.version);
     script.arg("--manual").arg(target.join("book"));
     script.arg("--rust").arg(target.join("doc"));
-    let page = target.join(PAGE);
-    if page.join("index.html").is_file() {
+    if let Some(page) = page::if_available(cargo, "the site has no page that runs in the browser")?
+    {
         script.arg("--page").arg(page);
     }
     run(&mut script)?;
