@@ -403,7 +403,7 @@ class System(Viscoelastic, Shown):
         """Computes the contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
 
         They are with respect to the numbers of the system, and to the height of every pillar. They are supported only by the
-        method ``"spectral"``, without adhesion, and as long as the floor carries no load.
+        method ``"spectral"`` and without adhesion, also past the transition.
 
         Raises
         ------

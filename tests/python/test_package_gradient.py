@@ -41,6 +41,26 @@ def test_gradients_are_differences():
     assert found.force["pattern.pillar.height"] == pytest.approx(alone, rel=1e-6)
 
 
+def test_past_the_transition_as_well():
+    """The length of columns and the depth of the floor are exact: compared with differences, in which cells at the edge of the contact change."""
+    system = fakir.System.from_file(CASE, overrides=SPARSE)
+    found = system.gradient(indentation="4 um")
+    assert found.force is not None and found.contact.floor is not None
+    # The force is proportional to the square of all lengths.
+    lengths = ("lens.radius", "pattern.pillar.height", "pattern.pillar.diameter")
+    values = (system.lens.radius, system.pattern.height, system.pattern.diameter)
+    changes = [found.force[key] * value for key, value in zip(lengths, values, strict=True)]
+    total = sum(changes) + found.stiffness * found.contact.indentation
+    assert total == pytest.approx(2 * found.contact.force, rel=1e-6)
+    by_height = changes[1]
+
+    def force(factor):
+        height = system.pattern.height * factor
+        return system.replace({"pattern.pillar.height": height}).press(indentation="4 um").force
+
+    assert by_height == pytest.approx((force(1.01) - force(0.99)) / 0.02, rel=0.01)
+
+
 def test_unavailable_gradients_are_refused():
     with pytest.raises(fakir.SolveError, match="no pillar is touched"):
         fakir.System.from_file(CASE, overrides=SPARSE).gradient(indentation=0)

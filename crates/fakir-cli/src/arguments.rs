@@ -1517,7 +1517,7 @@ pub(crate) struct ModulusArguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct GradientArguments {
     /// Compute the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
-    /// pillar: with the method spectral, without adhesion, and as long as the floor carries no load; or on a flat surface
+    /// pillar: with the method spectral and without adhesion, also past the transition; or on a flat surface
     #[arg(long)]
     gradient: bool,
 }

@@ -55,8 +55,8 @@ pub fn press(
 }
 
 /// Computes the contact under a prescribed load with its exact derivatives with respect to the quantities of the system, by the spectral
-/// method without adhesion and without load on the floor. It takes about as long as [`press`]; for a critical state, one more linear
-/// solution is required.
+/// method without adhesion. It takes about as long as [`press`]; for a critical state and past the transition, one more linear solution is
+/// required.
 ///
 /// ```
 /// use fakir::problem::{Load, Method, Quantity};
@@ -76,8 +76,8 @@ pub fn press(
 /// ```
 ///
 /// # Errors
-/// [`SolveError::NoGradient`] without contact, for contact with a part of a single pillar top, for a floor that carries load, and for a
-/// contact that did not converge; and as for [`press`].
+/// [`SolveError::NoGradient`] without contact, for contact with a part of a single pillar top, for a lens that penetrates a floor which
+/// carries no load, and for a contact that did not converge; and as for [`press`].
 pub fn gradient(
     system: &System,
     control: Load,

@@ -16,7 +16,7 @@
 //! # Method
 //! The sum of squares of (measured - computed)/error is minimised by the method of Levenberg and Marquardt (K. Levenberg, Q. Appl. Math. 2, 164 (1944); D. W. Marquardt, J.
 //! SIAM 11, 431 (1963)), over the logarithms of moduli, sizes and works of adhesion (near zero, over the work itself). Derivatives of the contact are exact, or central
-//! differences if there are none (floor in contact, adhesion, contact radius, other methods). Errors are updated in every step:
+//! differences if there are none (adhesion, contact radius, other methods). Errors are updated in every step:
 //!
 //! * An error of the load is included through the slope of the curve, `sigma^2 + (slope sigma_x)^2` (J.
 //!   Orear, Am. J. Phys. 50, 912 (1982)); the correlation that it causes between force and contact radius
@@ -709,8 +709,14 @@ impl<'a> Search<'a> {
         unknowns: &[f64],
     ) -> Result<Vec<Derivatives>, FitError> {
         let rows = model.data.rows();
-        if self.sampled.is_none() || rows.len() <= sampled::SOLVED_AT_END {
+        let Some(sampled) = &self.sampled else {
             return model.derivatives(unknowns, &self.states, self.stretch);
+        };
+        if rows.len() <= sampled::SOLVED_AT_END {
+            // Every row is a state of the table, with the exact derivatives of its force.
+            let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
+            let of_fixed = Sampled::default();
+            return of_fixed.derivatives(model, unknowns, &self.states, &table, Purpose::Result);
         }
         let mut order: Vec<usize> = (0..rows.len()).filter(|row| self.used[*row]).collect();
         order.sort_by(|a, b| model::load_of(&rows[*a]).total_cmp(&model::load_of(&rows[*b])));
@@ -1191,6 +1197,7 @@ impl<'a> Search<'a> {
         if there.all(|quantity| self.is_exact(quantity)) {
             return Ok(Vec::new());
         }
+        self.model.know_largest_contact(&self.states);
         // Each of them may be missing from the case.
         let exists = |parameter: &Parameter| {
             let free = [*parameter];

@@ -19,8 +19,8 @@ use fakir::state::{
 };
 use fakir_case::{Case, CaseFile, FlatCase, Key};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Relative step of differences. The error of a difference is the square of the step. Kinks of the
 /// curve, where pillars come into contact, are smoothed over the step, as measurement errors do.
@@ -258,6 +258,8 @@ pub(super) struct Model<'a> {
     pub(super) moments: Vec<f64>,
     /// Number of contacts and cycles solved.
     pub(super) solved: AtomicUsize,
+    /// Unit of the inverse thickness of a half-space, once it is known.
+    scale_of_thickness: Arc<OnceLock<f64>>,
 }
 
 impl<'a> Model<'a> {
@@ -318,6 +320,7 @@ impl<'a> Model<'a> {
             branches,
             moments: moments(data),
             solved: AtomicUsize::new(0),
+            scale_of_thickness: Arc::default(),
         };
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
@@ -358,6 +361,7 @@ impl<'a> Model<'a> {
             stretches: self.stretches.clone(),
             moments: self.moments.clone(),
             solved: AtomicUsize::new(0),
+            scale_of_thickness: Arc::clone(&self.scale_of_thickness),
         };
         model.scales = model.scales_of(free)?;
         Ok(model)
@@ -416,15 +420,30 @@ impl<'a> Model<'a> {
         matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
     }
 
-    /// Contact radius of the row with the largest load, m.
+    /// Contact radius of the row with the largest load, m; computed once for this model and those made from it, since it is only a scale.
     fn largest_contact(&self) -> Result<f64, FitError> {
+        if let Some(known) = self.scale_of_thickness.get() {
+            return Ok(*known);
+        }
         let rows = self.data.rows().iter().zip(&self.moments);
         let last = rows.max_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
         let radius = match last {
             Some((row, moment)) => self.row_state(&self.start, row, *moment)?.contact_radius,
             None => 0.0,
         };
-        Ok(larger(radius, self.start.case.least_radius()))
+        let radius = larger(radius, self.start.case.least_radius());
+        Ok(*self.scale_of_thickness.get_or_init(|| radius))
+    }
+
+    /// Takes this radius from the computed states of all rows.
+    pub(super) fn know_largest_contact(&self, states: &[State]) {
+        let rows = self.data.rows().iter().zip(states);
+        let last = rows.max_by(|a, b| load_of(a.0).total_cmp(&load_of(b.0)));
+        let radius = last.map(|(_, state)| state.contact_radius);
+        if let Some(radius) = radius.filter(|radius| radius.is_finite()) {
+            let radius = larger(radius, self.start.case.least_radius());
+            self.scale_of_thickness.get_or_init(|| radius);
+        }
     }
 
     /// Displacement of a row from that of the first row, m; 0 without displacements.
@@ -1312,7 +1331,7 @@ impl<'a> Model<'a> {
                 Some(_) => Load::Indentation(state.indentation),
                 None => Load::Force(state.force),
             };
-            let gradient = self.gradient(pillars, load, state)?;
+            let gradient = self.gradient(pillars, load)?;
             let along = match &gradient {
                 Some(gradient) => self.with_radius(gradient.stiffness, || {
                     self.along_load(&settings.case, load, state)
@@ -1424,17 +1443,11 @@ impl<'a> Model<'a> {
     }
 
     /// Exact derivatives of the force, if the contact has them.
-    fn gradient(
-        &self,
-        case: &Case,
-        load: Load,
-        state: &State,
-    ) -> Result<Option<Gradient>, SolveError> {
-        let above_floor = state.smallest_floor_gap.is_some_and(|gap| gap > 0.0);
+    pub(super) fn gradient(&self, case: &Case, load: Load) -> Result<Option<Gradient>, SolveError> {
         let Load::Indentation(zeta) = load else {
             return Ok(None); // a force that is the load is not compared
         };
-        if zeta <= 0.0 || !above_floor || !matches!(case.method, Method::Spectral(_)) {
+        if zeta <= 0.0 || !matches!(case.method, Method::Spectral(_)) {
             return Ok(None);
         }
         self.solved.fetch_add(1, Ordering::Relaxed);

@@ -13,13 +13,12 @@ use super::radius::smooth_radius;
 use super::table::{Knot, Monotone, NEAR, Table};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::{Load, Method};
-use fakir::state::{ContactState, SolveError};
+use fakir::problem::Load;
+use fakir::state::{ContactState, Derivatives as ForceDerivatives, SolveError};
 use fakir_case::Case;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 /// Up to this number of rows, each is solved in every step.
 pub(super) const DIRECT: usize = 24;
@@ -329,7 +328,8 @@ impl Sampled {
                 let none = vec![[0.0; 2]; model.free.len()];
                 return model.at_reading(&settings, unknowns, number, state, [0.0; 2], &none);
             }
-            let [slope, radius_slope] = table.at(load).slopes;
+            let at = table.at(load);
+            let [slope, radius_slope] = at.slopes;
             let along = if by_force {
                 [1.0, radius_slope]
             } else {
@@ -340,7 +340,7 @@ impl Sampled {
                 .map(|(curves, parameter)| {
                     let [force, radius] = curves.each_ref().map(|curve| curve.at(load));
                     if parameter.is_thickness() && !by_force {
-                        [force * slope, radius]
+                        [force * slope * at.answer, radius]
                     } else {
                         [force, radius]
                     }
@@ -377,6 +377,10 @@ impl Sampled {
         let kept = kept.filter(|kept| !model.wants_radius && is_near(kept));
         let onset = onset(table);
         let part = |load: f64| (load - onset) / (table.end() - onset).max(f64::MIN_POSITIVE);
+        let of_floor = match kept {
+            Some(_) => vec![None; knots.len()],
+            None => derivatives_on_floor(model, settings, knots)?,
+        };
         let mut curves = Vec::new();
         let mut on_floor = Vec::new();
         for (number, parameter) in model.free.iter().enumerate() {
@@ -386,19 +390,25 @@ impl Sampled {
                 continue;
             };
             let unit = model.slope(number, unknowns[number]);
-            let exact = |knot: &Knot| {
-                let slope = by_key.exactly(knot.derivatives.as_ref()?, *key)?;
-                Some(slope * unit)
+            let exact = |k: usize| {
+                let known = knots[k].derivatives.as_ref().or(of_floor[k].as_ref())?;
+                Some(by_key.exactly(known, *key)? * unit)
             };
-            // The effect of a layer on the indentation under a fixed force is smooth, also where pillars come into contact.
+            // The effect of a layer on the indentation under a fixed force is smooth, also where pillars come into contact. That of a thick
+            // layer is the same under every load, relative to the force.
             let is_thickness = parameter.is_thickness() && !by_force;
             let most = if is_thickness {
                 DIFFERENCES_OF_THICKNESS
             } else {
                 DIFFERENCES
             };
-            let needs = |knot: &Knot| model.wants_radius || exact(knot).is_none();
-            let needing: Vec<usize> = (0..knots.len()).filter(|k| needs(&knots[*k])).collect();
+            let is_exact: Vec<usize> = (0..knots.len()).filter(|k| exact(*k).is_some()).collect();
+            let has_exact_floor = is_exact.iter().any(|k| knots[*k].contacts.1);
+            let needs = |k: &usize| {
+                let between_exact = has_exact_floor && knots[*k].contacts.1;
+                model.wants_radius || !between_exact && exact(*k).is_none()
+            };
+            let needing: Vec<usize> = (0..knots.len()).filter(needs).collect();
             let (floor, above): (Vec<usize>, Vec<usize>) =
                 needing.into_iter().partition(|k| knots[*k].contacts.1);
             let mut picked = spread(knots, &above, most[0]);
@@ -419,21 +429,26 @@ impl Sampled {
                 };
                 Ok(model.between(sides, load, &state)?)
             })?;
-            let exactly = knots
-                .iter()
-                .filter_map(|knot| Some((knot.load, exact(knot)?)));
-            let mut forces: Vec<(f64, f64)> = exactly.collect();
+            let mut forces = Vec::new();
             let mut radii = vec![(0.0, 0.0)];
             let mut ratios = Vec::new();
-            for (k, [force, radius]) in picked.iter().zip(differences) {
-                let knot = &knots[*k];
-                if exact(knot).is_none() {
-                    forces.push((knot.load, force));
-                }
-                radii.push((knot.load, radius));
+            let mut add = |k: usize, force: f64| {
+                let knot = &knots[k];
+                forces.push((knot.load, force));
                 if knot.contacts.1 && !by_force {
                     ratios.push((part(knot.load), force / knot.answer));
                 }
+            };
+            for k in is_exact {
+                if let Some(force) = exact(k) {
+                    add(k, force);
+                }
+            }
+            for (k, [force, radius]) in picked.iter().zip(differences) {
+                if exact(*k).is_none() {
+                    add(*k, force);
+                }
+                radii.push((knots[*k].load, radius));
             }
             if let Some(reused) = reused {
                 for k in &floor {
@@ -445,12 +460,14 @@ impl Sampled {
             }
             if is_thickness {
                 for (load, force) in &mut forces {
-                    *force /= table.at(*load).slopes[0];
+                    let at = table.at(*load);
+                    *force /= at.slopes[0] * at.answer;
                 }
                 forces.retain(|(_, ratio)| ratio.is_finite());
+            } else {
+                // Without contact there are no derivatives.
+                forces.push((0.0, 0.0));
             }
-            // Without contact there are no derivatives.
-            forces.push((0.0, 0.0));
             forces.sort_by(|a, b| a.0.total_cmp(&b.0));
             radii.sort_by(|a, b| a.0.total_cmp(&b.0));
             curves.push([Monotone::new(forces), Monotone::new(radii)]);
@@ -465,6 +482,32 @@ impl Sampled {
         });
         Ok(curves)
     }
+}
+
+/// Derivatives of the force of some states with load on the floor that have none, where the contact has them: by knot.
+fn derivatives_on_floor(
+    model: &Model<'_>,
+    settings: &Settings,
+    knots: &[Knot],
+) -> Result<Vec<Option<ForceDerivatives>>, FitError> {
+    let mut found = vec![None; knots.len()];
+    let by_force = model.data.position() == Position::None;
+    let lacks = |k: &usize| knots[*k].contacts.1 && knots[*k].derivatives.is_none();
+    let lacking: Vec<usize> = (0..knots.len()).filter(lacks).collect();
+    let of_case = |parameter: &Parameter| matches!(parameter, Parameter::Key(_));
+    if by_force || !model.free.iter().any(of_case) {
+        return Ok(found);
+    }
+    let picked = spread(knots, &lacking, DIFFERENCES[1]);
+    let case = settings.pillars()?;
+    let gradients = each(model, &picked, |k| {
+        let gradient = model.gradient(case, Load::Indentation(knots[*k].load))?;
+        Ok(gradient.and_then(|gradient| gradient.force))
+    })?;
+    for (k, derivatives) in picked.into_iter().zip(gradients) {
+        found[k] = derivatives;
+    }
+    Ok(found)
 }
 
 /// State at a reading, by interpolation.
@@ -699,27 +742,17 @@ impl Refining<'_, '_> {
             });
         }
         let control = Load::Indentation(load);
-        if may_have_gradient && matches!(case.method, Method::Spectral(_)) {
-            match self.gradient(case, control) {
-                Ok(gradient) => return Ok(gradient),
-                Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
-                Err(_) => {}
-            }
+        if may_have_gradient && let Some(gradient) = self.model.gradient(case, control)? {
+            return Ok(Knot {
+                slope: Some(gradient.stiffness),
+                derivatives: gradient.force,
+                ..self.knot_of(&gradient.contact)
+            });
         }
         let contact = self.model.contact(case, control)?;
         Ok(Knot {
             load,
             ..self.knot_of(&contact)
-        })
-    }
-
-    fn gradient(&self, case: &Case, control: Load) -> Result<Knot, SolveError> {
-        self.model.solved.fetch_add(1, Ordering::Relaxed);
-        let gradient = fakir::gradient(&case.system, control, case.method, &self.model.single)?;
-        Ok(Knot {
-            slope: Some(gradient.stiffness),
-            derivatives: gradient.force,
-            ..self.knot_of(&gradient.contact)
         })
     }
 
@@ -740,7 +773,7 @@ impl Refining<'_, '_> {
         Ok(())
     }
 
-    /// Slopes of states with load on the floor, by differences along the load as in fits that solve every row.
+    /// Slopes of states with load on the floor, and derivatives of the force, as in fits that solve every row.
     fn add_slopes(&self, table: &mut Table) -> Result<(), FitError> {
         let lacking = |k: &usize| table.knots()[*k].contacts.1 && table.knots()[*k].slope.is_none();
         let lacking: Vec<usize> = (0..table.knots().len()).filter(lacking).collect();
@@ -752,13 +785,15 @@ impl Refining<'_, '_> {
                 smooth_radius: knot.smooth_radius,
                 ..State::without_contact(knot.load)
             };
-            let along = self
-                .model
-                .along_load(case, Load::Indentation(knot.load), &state)?;
-            Ok(along[0])
+            let load = Load::Indentation(knot.load);
+            if let Some(gradient) = self.model.gradient(self.case, load)? {
+                return Ok((gradient.stiffness, gradient.force));
+            }
+            let along = self.model.along_load(case, load, &state)?;
+            Ok((along[0], None))
         })?;
-        for (k, slope) in lacking.into_iter().zip(slopes) {
-            table.set_slope(k, slope);
+        for (k, (slope, derivatives)) in lacking.into_iter().zip(slopes) {
+            table.set_slope(k, slope, derivatives);
         }
         Ok(())
     }

@@ -109,9 +109,11 @@ impl Table {
         }
     }
 
-    /// Sets the slope of a state.
-    pub(super) fn set_slope(&mut self, knot: usize, slope: f64) {
-        self.knots[knot].slope = Some(slope).filter(|slope| slope.is_finite());
+    /// Sets the slope of a state, and the derivatives of its force if they are known.
+    pub(super) fn set_slope(&mut self, knot: usize, slope: f64, derivatives: Option<Derivatives>) {
+        let knot = &mut self.knots[knot];
+        knot.slope = Some(slope).filter(|slope| slope.is_finite());
+        knot.derivatives = derivatives;
     }
 
     /// The largest solved load.

@@ -151,6 +151,19 @@ pub struct Cells {
 }
 
 impl Cells {
+    /// The same cells of a grid whose sides and origin are multiplied by a factor.
+    pub(crate) fn stretched(&self, factor: f64) -> Self {
+        let grid = Grid {
+            cell: self.grid.cell.map(|side| side * factor),
+            origin: self.grid.origin.map(|at| at * factor),
+            ..self.grid
+        };
+        Self {
+            grid,
+            ..self.clone()
+        }
+    }
+
     /// All cells of a grid.
     #[must_use]
     pub fn all(grid: &Grid) -> Self {

@@ -158,14 +158,33 @@ pub(crate) fn past_transition(
     scene: &Scene,
     target: Load,
     accuracy: Accuracy,
-    mut tops: Solution<'_>,
+    tops: Solution<'_>,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
+    let (mut mixed, transition) = solve_past_transition(scene, target, accuracy, tops, run)?;
+    finish(
+        system,
+        scene,
+        target.into(),
+        accuracy,
+        &mut mixed,
+        transition,
+        run,
+    )
+}
+
+/// Its solution, and the approximate indentation at which the floor was reached.
+pub(crate) fn solve_past_transition<'a>(
+    scene: &Scene,
+    target: Load,
+    accuracy: Accuracy,
+    mut tops: Solution<'a>,
+    run: &'a Run<'a>,
+) -> Result<(MixedSolution<'a>, f64), SolveError> {
     let transition = tops.newton.first_floor_contact(ROUGH)?;
     let transition = transition.unwrap_or(scene.height);
-    let target = Target::from(target);
-    let mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
-    finish(system, scene, target, accuracy, mixed, transition, run)
+    let mixed = solve_floor(scene, target.into(), accuracy, tops, None, run)?;
+    Ok((mixed, transition))
 }
 
 /// The state in which the floor carries a given fraction of the load, from a solution on the tops alone in which the lens penetrates the
@@ -180,10 +199,10 @@ pub(crate) fn at_floor_share(
     run: &Run<'_>,
 ) -> Result<(ContactState, f64), SolveError> {
     let target = Target::FloorShare { share, reached };
-    let mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
+    let mut mixed = solve_floor(scene, target, accuracy, tops, None, run)?;
     let contact = &mixed.solution.newton.contact;
     let power = (contact.indentation() - reached) * slope_of_odds(contact);
-    let state = finish(system, scene, target, accuracy, mixed, reached, run)?;
+    let state = finish(system, scene, target, accuracy, &mut mixed, reached, run)?;
     Ok((state, power))
 }
 
@@ -213,24 +232,29 @@ pub(crate) fn floor_first(
     let degrees = degrees(Accuracy::Default, scene);
     let start = untouched(scene, indentation, contact, degrees, run)?;
     let target = Target::from(target);
-    let mixed = solve_floor(scene, target, accuracy, start, Some(radius), run)?;
-    finish(system, scene, target, accuracy, mixed, scene.height, run)
+    let mut mixed = solve_floor(scene, target, accuracy, start, Some(radius), run)?;
+    finish(
+        system,
+        scene,
+        target,
+        accuracy,
+        &mut mixed,
+        scene.height,
+        run,
+    )
 }
 
 /// Assembles the state of a solution with its error estimates; `transition` is the approximate indentation at which the floor was reached.
-fn finish(
+pub(crate) fn finish(
     system: &System,
     scene: &Scene,
     target: Target,
     accuracy: Accuracy,
-    mixed: MixedSolution<'_>,
+    mixed: &mut MixedSolution<'_>,
     transition: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    let MixedSolution {
-        mut solution,
-        levels,
-    } = mixed;
+    let MixedSolution { solution, levels } = mixed;
     let termination = solution.outcome.termination;
     let fixed = Load::Indentation(solution.outcome.indentation);
     let prescribed = match target {
@@ -242,27 +266,27 @@ fn finish(
     let mut error = unknowns_only(prescribed, termination, [1.0; 2]);
     if termination == Termination::Converged {
         // At a prescribed indentation the error is entirely in the force.
-        let of_pillars = refined(&mut solution, fixed, run)?.force;
-        if let Some((errors, floor)) = estimates(&solution, &levels, transition, of_pillars) {
+        let of_pillars = refined(solution, fixed, run)?.force;
+        if let Some((errors, floor)) = estimates(solution, levels, transition, of_pillars) {
             of_floor = floor;
             match target {
                 Target::Prescribed(control) => error = unknowns_only(control, termination, errors),
                 Target::FloorShare { .. } => {
-                    error = at_equal_share(&solution, errors[0], floor.share);
+                    error = at_equal_share(solution, errors[0], floor.share);
                     // The floor carries a prescribed fraction of the force.
                     of_floor.share = error.force;
                 }
             }
         }
     }
-    let floor = floor_contact(scene, &solution, &levels, of_floor);
+    let floor = floor_contact(scene, solution, levels, of_floor);
     let method = PillarMethod::Spectral(accuracy);
     let mut state = assemble(
         system,
         scene,
         prescribed,
         method,
-        &solution,
+        solution,
         OfFloor::Contact(floor),
         error,
     )?;

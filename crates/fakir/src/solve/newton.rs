@@ -22,10 +22,11 @@ use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::disc::nodes::Resolution;
-use crate::halfspace::floor::coupling::{FloorKernels, SurfaceCoupling};
+use crate::halfspace::floor::coupling::{FloorCoupling, FloorKernels, SurfaceCoupling};
 use crate::halfspace::floor::grid::FloorGrid;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::convergence::{Judgement, clamped, judge, larger, within};
+use crate::problem::layer::WeightedLayer;
 use crate::problem::scaled::Scene;
 use crate::problem::{Load, Point};
 use crate::state::{PillarStatus, Progress, Run, SolveError, Stage, Termination};
@@ -38,7 +39,7 @@ pub(super) const LINEAR_TOLERANCE: f64 = 1e-10;
 const PART_OF_PRODUCTS: f64 = 0.2;
 
 /// The same with the floor, and on a coarse grid of the floor.
-const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
+pub(super) const FLOOR_LINEAR_TOLERANCE: f64 = 1e-9;
 const LEVEL_LINEAR_TOLERANCE: f64 = 1e-6;
 
 /// Tolerance of the first linear solution with the floor, and the factor by which it decreases from step to step: the residual caused by
@@ -547,6 +548,34 @@ impl<'a> Newton<'a> {
             0.0
         };
         self.cells.is_some() && self.touched() > 0 && self.tops.reach() > self.reach - near
+    }
+
+    /// `v·B m` of the coefficients `m` and several `v` of the floor, as [`FloorCoupling::forms`], with all distances from the lens axis multiplied
+    /// by a factor, and on other layers. Empty without floor cells.
+    pub(crate) fn floor_forms(
+        &self,
+        factor: f64,
+        layers: &[WeightedLayer],
+        with: &[&[f64]],
+    ) -> Vec<[f64; 2]> {
+        let Some(cells) = &self.cells else {
+            return Vec::new();
+        };
+        let (grid, sites) = (
+            cells.grid.stretched(factor),
+            self.tops.sites.stretched(factor),
+        );
+        let degree = FLOOR_DEGREE.min(self.exterior.degree());
+        let mut coupling = FloorCoupling::new(
+            &grid,
+            (&sites, self.reach * factor),
+            [self.contact.modes(), degree],
+            layers,
+            None,
+            self.run.workers(),
+            self.run.pool,
+        );
+        coupling.forms(self.contact.coefficients(), with)
     }
 
     /// The pressure on the floor, where it is loaded.

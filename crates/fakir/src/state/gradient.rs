@@ -18,6 +18,9 @@ use crate::problem::Quantity;
 ///
 /// The contact is first solved to rounding, so that it differs from that of [`press`](crate::press) by less than its error.
 ///
+/// Past the transition the states of the floor cells are constant too. Cells at the edge of the floor contact come and go with any change of
+/// the load, and cause noise in differences over small steps, but hardly affect these derivatives, as their pressure is near zero.
+///
 /// On a [flat surface](crate::problem::FlatSystem::gradient), `C` is a [`FlatContact`](super::FlatContact), and there are no pillars.
 #[derive(Debug, Clone)]
 pub struct Gradient<C = ContactState> {
@@ -30,7 +33,7 @@ pub struct Gradient<C = ContactState> {
     /// Derivatives of the indentation, m; `None` if it is prescribed.
     pub indentation: Option<Derivatives>,
     /// Derivatives of the contact area, m^2; `None` if the edge of the contact crosses a pillar, whose area in contact changes in steps of
-    /// nodes.
+    /// nodes, and with floor contact, whose area changes in steps of cells.
     pub area: Option<Derivatives>,
 }
 

@@ -1058,6 +1058,51 @@ fn derivatives_are_those_of_differences() {
     }
 }
 
+/// Past the transition, where the changes of cells add noise to differences: lengths by Euler's identity (the force is proportional to the
+/// square of all lengths), moduli likewise, and thicknesses by differences over a large step.
+#[test]
+#[ignore = "slow: 8 contacts with the floor on layers"]
+fn derivatives_past_the_transition_are_those_of_differences() {
+    for load in [
+        (Load::Indentation(3.5e-6), false),
+        (Load::Indentation(3.0e-6), true),
+    ] {
+        let found = gradient(load, [0.0; 12]);
+        let share = found.contact.floor.as_ref().unwrap().share;
+        let force = found.contact.force;
+        let derivatives = found.force.as_ref().unwrap();
+        let of = |which: usize| {
+            let by = derivatives.by(QUANTITIES[which]);
+            by.unwrap_or(f64::NAN) * VALUES[which]
+        };
+        let moduli = of(4) + of(6) + of(10);
+        println!("share {share}, moduli {:e}", moduli / force - 1.0);
+        assert!(share > 0.02 && (moduli / force - 1.0).abs() < 1e-8);
+        if !load.1 {
+            let lengths: f64 = [0, 1, 2, 3, 8, 9].into_iter().map(of).sum();
+            let lengths = lengths + found.stiffness * found.contact.indentation;
+            println!("lengths {:e}", lengths / (2.0 * force) - 1.0);
+            assert!((lengths / (2.0 * force) - 1.0).abs() < 1e-6);
+        }
+        for which in [8, 9, 11] {
+            let step = 2e-3;
+            let moved = |step: f64| {
+                let mut parts = [0.0; 12];
+                parts[which] = step;
+                gradient(load, parts).contact.force
+            };
+            let expected = (moved(step) - moved(-step)) / (2.0 * step);
+            let error = (of(which) - expected).abs() / force;
+            println!(
+                "{:?}: {:e} {expected:e} {error:e}",
+                QUANTITIES[which],
+                of(which)
+            );
+            assert!(error < 1e-3, "{:?}", QUANTITIES[which]);
+        }
+    }
+}
+
 #[test]
 #[ignore = "slow: with respect to every quantity alone"]
 fn every_derivative_is_that_of_differences() {

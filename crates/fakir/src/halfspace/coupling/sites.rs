@@ -65,6 +65,20 @@ impl Sites {
         }
     }
 
+    /// The same pillars with all distances from the lens axis multiplied by a factor.
+    pub(crate) fn stretched(&self, factor: f64) -> Self {
+        let centres = self.centres().iter();
+        Self {
+            places: Places::Listed {
+                indices: (0..self.len()).map(|pillar| self.index(pillar)).collect(),
+                centres: centres.map(|centre| centre.map(|x| x * factor)).collect(),
+            },
+            radius: self.radius * factor,
+            neighbours: OnceLock::new(),
+            ..self.clone()
+        }
+    }
+
     /// Pillars of a hexagonal lattice.
     pub(crate) fn of_window(
         window: Window,

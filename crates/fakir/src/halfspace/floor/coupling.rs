@@ -31,6 +31,7 @@ use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::elements::convolution::{Convolution, Transform};
+use crate::numerics::vector::dot;
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
@@ -332,6 +333,26 @@ impl<'a> FloorCoupling<'a> {
             products: Products::new(grid, kernels, pool),
             folding: Folding::new(grid),
         }
+    }
+
+    /// `v·B c` for given coefficients `c` and for each of several `v`: the part of pillars and floor, and the part of the floor alone.
+    pub(crate) fn forms(&mut self, coefficients: &[f64], with: &[&[f64]]) -> Vec<[f64; 2]> {
+        let tops = coefficients.len() - self.cells;
+        let (of_tops, of_floor) = coefficients.split_at(tops);
+        let mut product = |of_tops: &[f64], of_floor: &[f64]| {
+            let mut far = vec![0.0; coefficients.len()];
+            let (far_tops, far_floor) = far.split_at_mut(tops);
+            self.apply([of_tops, of_floor], [far_tops, far_floor]);
+            far
+        };
+        let by_tops = product(of_tops, &vec![0.0; of_floor.len()]);
+        let by_floor = product(&vec![0.0; tops], of_floor);
+        let form = |v: &&[f64]| {
+            let (v_tops, v_floor) = v.split_at(tops);
+            let between = dot(v_floor, &by_tops[tops..]) + dot(v_tops, &by_floor[..tops]);
+            [between, dot(v_floor, &by_floor[tops..])]
+        };
+        with.iter().map(form).collect()
     }
 
     /// The kernels, for reuse.

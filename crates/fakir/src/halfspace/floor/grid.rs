@@ -270,6 +270,28 @@ impl FloorGrid {
         })
     }
 
+    /// The same cells with all distances from the lens axis multiplied by a factor: those of a stretched arrangement.
+    pub(crate) fn stretched(&self, factor: f64) -> Self {
+        let mirrors = self.mirrors.as_ref().map(|mirrors| {
+            Arc::new(Mirrors {
+                axis: mirrors.axis,
+                quadrant: mirrors.quadrant.stretched(factor),
+                images: mirrors.images.clone(),
+                own: mirrors.own.clone(),
+            })
+        });
+        Self {
+            division: Division {
+                cell: self.division.cell.map(|side| side * factor),
+                ..self.division
+            },
+            cells: self.cells.stretched(factor),
+            radius: self.radius * factor,
+            mirrors,
+            ..self.clone()
+        }
+    }
+
     /// Number of cells.
     pub(crate) fn len(&self) -> usize {
         self.cells.len()

@@ -7,8 +7,9 @@ mod tests;
 use self::scene::{OfScene, SceneDerivatives, scene_derivatives};
 use super::answers::{find_patch, homogenised_radius, lowest_point};
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
+use super::mixed;
 use super::newton::{Newton, Purpose};
-use super::spectral::{degrees, solve_punch, solve_spectral};
+use super::spectral::{Solution, degrees, solve_punch, solve_spectral};
 use crate::problem::column::{Column, ColumnSlopes};
 use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
@@ -48,32 +49,43 @@ pub(crate) fn gradient(
     let punch = solve_punch(&scene, target, guess, form, Purpose::Start, run)?;
     let mut solution = solve_spectral(&scene, target, punch, degrees(accuracy, &scene), run)?;
     if solution.outcome.termination != Termination::Converged {
-        return Err(refused("the contact did not converge"));
-    }
-    if !solution.newton.sharpen(target, &mut solution.outcome)? {
-        return Err(refused(
-            "the states of the pillars do not settle; change the load a little",
-        ));
-    }
-    let indentation = solution.outcome.indentation;
-    let lowest = lowest_point(target, &mut solution);
-    let enters =
-        target != Load::FloorContact && lowest.is_some_and(|point| point.indentation < indentation);
-    if enters && system.floor_model() == FloorModel::Contact {
-        return Err(refused(
-            "the floor between the pillars carries a part of the load; lower the load, or ignore the floor",
-        ));
+        return Err(refused(NOT_CONVERGED));
     }
     let layer_changes = system.layer_changes(scene.length);
     let (with, changes): (Vec<Quantity>, Vec<_>) = layer_changes.into_iter().unzip();
-    let derivatives = scene_derivatives(&mut solution.newton, solution.outcome.floor, &changes)?;
-    let error = refined(&mut solution, target, run)?;
-    let method = PillarMethod::Spectral(accuracy);
-    let floor = OfFloor::Lowest(lowest);
-    let mut contact = assemble(system, &scene, target, method, &solution, floor, error)?;
-    if target == Load::FloorContact {
-        contact.smallest_floor_gap = 0.0; // exact up to rounding
-    }
+    let (derivatives, contact, solution) = if enters_floor(system, target, &mut solution) {
+        if !scene.floor_carries_load() {
+            return Err(refused(
+                "the lens penetrates the floor beside the pillars, which carries no load here; lower the load, or ignore the floor",
+            ));
+        }
+        let past = mixed::solve_past_transition(&scene, target, accuracy, solution, run)?;
+        let (mut mixed, transition) = past;
+        if mixed.solution.outcome.termination != Termination::Converged {
+            return Err(refused(NOT_CONVERGED));
+        }
+        let derivatives = scene_derivatives(&mut mixed.solution.newton, None, &changes)?;
+        let load = target.into();
+        let contact = mixed::finish(system, &scene, load, accuracy, &mut mixed, transition, run)?;
+        (derivatives, contact, mixed.solution)
+    } else {
+        if !solution.newton.sharpen(target, &mut solution.outcome)? {
+            return Err(refused(
+                "the states of the pillars do not settle; change the load a little",
+            ));
+        }
+        let lowest = lowest_point(target, &mut solution);
+        let derivatives =
+            scene_derivatives(&mut solution.newton, solution.outcome.floor, &changes)?;
+        let error = refined(&mut solution, target, run)?;
+        let method = PillarMethod::Spectral(accuracy);
+        let floor = OfFloor::Lowest(lowest);
+        let mut contact = assemble(system, &scene, target, method, &solution, floor, error)?;
+        if target == Load::FloorContact {
+            contact.smallest_floor_gap = 0.0; // exact up to rounding
+        }
+        (derivatives, contact, solution)
+    };
     let units = Units {
         system,
         scene: &scene,
@@ -106,6 +118,17 @@ pub(crate) fn gradient(
         area,
         contact,
     })
+}
+
+const NOT_CONVERGED: &str = "the contact did not converge";
+
+/// Whether the lens on the tops alone penetrates a floor that counts.
+fn enters_floor(system: &System, target: Load, solution: &mut Solution<'_>) -> bool {
+    if target == Load::FloorContact || system.floor_model() != FloorModel::Contact {
+        return false;
+    }
+    let lowest = lowest_point(target, solution);
+    lowest.is_some_and(|point| point.indentation < solution.outcome.indentation)
 }
 
 /// Whether all positions are proportional to the pitch.
@@ -243,12 +266,13 @@ impl Units<'_, '_> {
         }
     }
 
-    /// Derivatives of the contact area: determined by the areas of the tops, if all touched tops are fully touched.
+    /// Derivatives of the contact area: determined by the areas of the tops, if all touched tops are fully touched and the floor is not.
     fn of_area(&self) -> Option<Derivatives> {
         let pillars = &self.contact.pillars;
-        let all_in_full = pillars
-            .iter()
-            .all(|pillar| pillar.status == PillarStatus::Full);
+        let all_in_full = self.contact.floor.is_none()
+            && pillars
+                .iter()
+                .all(|pillar| pillar.status == PillarStatus::Full);
         let none = self.of_force().times(0.0);
         let diameter = self.system.pillar().diameter;
         let by_diameter = 0.5 * PI * diameter * pillars.len() as f64;

@@ -22,6 +22,12 @@
 //! of them. Since `S` is proportional to the inverse radius `1/a`, and constraints do no work, `v·dS m = -v·l da/a` on each top with the
 //! total load `l`.
 //!
+//! If the floor carries load, its cells are places like tops, and both `m` and `v` include their coefficients. The cells move with the
+//! distances of the pillars. The product of cell and pillar depends on the ratio of their distance to the radius of the pillar alone, so that
+//! its derivative with respect to the logarithm of the radii is that with respect to the distances with the opposite sign; on layers their
+//! thickness counts as another length. Derivatives of the products with the floor with respect to distances and layers are differences of
+//! two products.
+//!
 //! A narrow contact at a rim is solved on cells that move with its load `l`. There `dm = (P + E) dl` with the [motion](Motion) `E`, which
 //! is not symmetric, and `v = (P + E')(w - C v)`. This is solved by iteration: `E` is of the order of a hundredth of `P`.
 
@@ -37,7 +43,8 @@ use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::problem::layer::WeightedLayer;
 use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, LoadedDiscs};
-use crate::solve::newton::{LINEAR_TOLERANCE, Newton};
+use crate::solve::newton::{FLOOR_LINEAR_TOLERANCE, LINEAR_TOLERANCE, Newton};
+use crate::solve::rules::floor::{lens_load, lens_load_by_radius};
 use crate::solve::rules::rim::Motion;
 use crate::solve::rules::unilateral::LocalSolver;
 use crate::state::{PillarStatus, SolveError};
@@ -50,7 +57,7 @@ pub(crate) struct OfScene {
     pub(crate) raised: Vec<f64>,
     /// With respect to the shortening ratio and the tilt of the column of every touched pillar.
     pub(crate) column: Vec<Column>,
-    /// With respect to the radius of every touched pillar, at constant column; `None` on a hexagonal lattice.
+    /// With respect to the radius of every touched pillar, at constant column; `None` on a hexagonal lattice, and if the floor carries load.
     pub(crate) radii: Option<Vec<f64>>,
     /// With respect to the logarithm of all radii together, at constant columns.
     pub(crate) all_radii: f64,
@@ -103,8 +110,10 @@ pub(crate) fn scene_derivatives(
     of_layers.extend(by_thickness(&newton.scene.layers));
     let rim_contacts = rim_contacts(newton)?;
     let modes = newton.contact.modes();
-    let mut unit_load = vec![0.0; newton.contact.coefficients().len()];
-    for load in unit_load.iter_mut().step_by(modes) {
+    let tops = newton.contact.tops();
+    let mut unit_load = vec![newton.contact.unit_cell(); newton.contact.len()];
+    unit_load[..tops].fill(0.0);
+    for load in unit_load[..tops].iter_mut().step_by(modes) {
         *load = UNIT_FORCE;
     }
     let mut adjoints = vec![Adjoint::new(newton, &rim_contacts, &unit_load)?];
@@ -116,16 +125,13 @@ pub(crate) fn scene_derivatives(
         amplification = (1.0 - dot(&adjoint.coefficients, &unit_load)).recip();
         adjoints.push(adjoint);
     }
+    let far_of_tops = far_of_tops(newton);
     let sites = &newton.tops.sites;
     let is_touched = |place: &usize| newton.tops.status[*place] != PillarStatus::Untouched;
     let places: Vec<usize> = (0..sites.len()).filter(is_touched).collect();
     let pair = PairCoupling::of_scene(newton.degree(), &newton.scene);
-    let mut moments = vec![newton.contact.coefficients()];
-    moments.extend(
-        adjoints
-            .iter()
-            .map(|adjoint| adjoint.coefficients.as_slice()),
-    );
+    let mut moments = vec![&newton.contact.coefficients()[..tops]];
+    moments.extend(adjoints.iter().map(|adjoint| &adjoint.coefficients[..tops]));
     let workers = newton.run.workers();
     let change = CouplingChange::new(sites, &pair, &places, &moments, workers);
     newton.run.check_cancelled()?;
@@ -133,14 +139,15 @@ pub(crate) fn scene_derivatives(
         .iter()
         .map(|layers| {
             let pair = pair.of_layers_alone(layers);
-            let mut loads = vec![0.0; unit_load.len()];
+            let mut loads = vec![0.0; tops];
             LatticeCoupling::of_sites(sites, &pair, workers).apply(moments[0], &mut loads, workers);
             loads
         })
         .collect();
     newton.run.check_cancelled()?;
-    let change = (&change, &by_layers[..]);
-    let of_adjoints = by_load_and_operator(newton, &places, &adjoints, &rim_contacts, change);
+    let change = (&change, &far_of_tops[..], &by_layers[..]);
+    let mut of_adjoints = by_load_and_operator(newton, &places, &adjoints, &rim_contacts, change);
+    add_floor_cells(newton, &adjoints, &of_layers, &mut of_adjoints);
     newton.run.check_cancelled()?;
     let mut of_adjoints = of_adjoints.into_iter();
     let force = of_adjoints.next();
@@ -155,6 +162,19 @@ pub(crate) fn scene_derivatives(
         floor,
         places,
     })
+}
+
+/// `B m` of the tops alone.
+fn far_of_tops(newton: &mut Newton<'_>) -> Vec<f64> {
+    let tops = newton.contact.tops();
+    if newton.cells.is_none() {
+        return newton.contact.present.far.clone();
+    }
+    let mut of_tops = newton.contact.coefficients().to_vec();
+    of_tops[tops..].fill(0.0);
+    let mut far = newton.contact.coupled(&of_tops);
+    far.truncate(tops);
+    far
 }
 
 /// Change of layers with the logarithm of their thicknesses, if there are layers: by central differences, with an error of 1e-9.
@@ -191,12 +211,16 @@ impl Adjoint {
         source: &[f64],
     ) -> Result<Self, SolveError> {
         let modes = newton.contact.modes();
+        let tolerance = match newton.cells {
+            Some(_) => FLOOR_LINEAR_TOLERANCE,
+            None => LINEAR_TOLERANCE,
+        };
         // `v = P (w - C v) + k` with `k = E' (w - C v)`: the response to `w - C k`, plus `k`.
         let mut moved = vec![0.0; source.len()];
         for _ in 0..STEP_LIMIT {
             let mut source_left = source.to_vec();
             subtract(&mut source_left, &newton.contact.coupled(&moved));
-            let response = newton.respond_to(&source_left, LINEAR_TOLERANCE)?;
+            let response = newton.respond_to(&source_left, tolerance)?;
             let (mut coefficients, mut load) = (response.coefficients, source_left);
             add_scaled(&mut coefficients, 1.0, &moved);
             subtract(&mut load, &response.far);
@@ -273,7 +297,7 @@ fn by_load_and_operator(
     places: &[usize],
     adjoints: &[Adjoint],
     rim_contacts: &RimContacts,
-    (change, by_layers): (&CouplingChange, &[Vec<f64>]),
+    (change, far_of_tops, by_layers): (&CouplingChange, &[f64], &[Vec<f64>]),
 ) -> Vec<OfScene> {
     let modes = newton.contact.modes();
     let (tops, sites) = (&newton.tops, &newton.tops.sites);
@@ -324,7 +348,7 @@ fn by_load_and_operator(
             let leading = &adjoint.coefficients[own.clone()];
             let by_coupling = dot(leading, &change.by_distance[own.clone()]);
             // The derivatives with respect to the logarithms of all distances and of all radii add up to the negative coupling.
-            let far = &newton.contact.present.far[own.clone()];
+            let far = &far_of_tops[own.clone()];
             let all_radii = dot(leading, far) + by_coupling;
             let layers: Vec<f64> = by_layers
                 .iter()
@@ -390,6 +414,63 @@ struct OfPillar {
 /// Work of moments on a load that may have fewer modes.
 fn work(moments: &[f64], load: &[f64]) -> f64 {
     moments.iter().zip(load).map(|(m, b)| m * b).sum()
+}
+
+/// Adds what the cells of the floor contribute to the derivatives of the force, if they carry load.
+fn add_floor_cells(
+    newton: &Newton<'_>,
+    adjoints: &[Adjoint],
+    of_layers: &[Vec<WeightedLayer>],
+    of_adjoints: &mut [OfScene],
+) {
+    /// Relative change of the distances.
+    const STRETCH: f64 = 1e-4;
+    let Some(cells) = &newton.cells else {
+        return;
+    };
+    let (scene, root) = (&newton.scene, cells.unit_cell());
+    let tops = newton.contact.tops();
+    let forms = |factor: f64, layers: &[WeightedLayer]| {
+        let with: Vec<&[f64]> = adjoints.iter().map(|a| &a.coefficients[..]).collect();
+        newton.floor_forms(factor, layers, &with)
+    };
+    let difference =
+        |ends: [&[f64; 2]; 2], over: f64| [0, 1].map(|k| (ends[1][k] - ends[0][k]) / over);
+    let factors = [1.0 - STRETCH, 1.0 + STRETCH];
+    let stretched = factors.map(|factor| forms(factor, &scene.layers));
+    let lens = factors
+        .map(|factor| -> Vec<f64> { lens_load(&cells.grid.stretched(factor), scene).collect() });
+    let by_radius: Vec<f64> = lens_load_by_radius(&cells.grid, scene).collect();
+    // The products are linear in the layers.
+    let without = (!of_layers.is_empty()).then(|| forms(1.0, &[]));
+    let with_layers = of_layers.iter().map(|layers| forms(1.0, layers));
+    let with_layers: Vec<Vec<[f64; 2]>> = with_layers.collect();
+    for (number, (of_scene, adjoint)) in of_adjoints.iter_mut().zip(adjoints).enumerate() {
+        let of_floor = &adjoint.coefficients[tops..];
+        let total = root * of_floor.iter().sum::<f64>();
+        let [between, alone] = difference(
+            stretched.each_ref().map(|forms| &forms[number]),
+            2.0 * STRETCH,
+        );
+        let by_lens = (dot(of_floor, &lens[1]) - dot(of_floor, &lens[0])) / (2.0 * STRETCH);
+        of_scene.depth -= total;
+        of_scene.lens_radius += dot(of_floor, &by_radius);
+        // The first two: a unit load on a cell is proportional to the root of its area.
+        of_scene.distances +=
+            newton.contact.floor_force() + newton.contact.indentation() * total + by_lens
+                - between
+                - alone;
+        of_scene.all_radii += between;
+        of_scene.radii = None;
+        for (layer, with) in with_layers.iter().enumerate() {
+            let Some(without) = &without else { continue };
+            let [between, alone] = difference([&without[number], &with[number]], 1.0);
+            of_scene.layers[layer] -= between + alone;
+            if layer + 1 == with_layers.len() {
+                of_scene.all_radii += between;
+            }
+        }
+    }
 }
 
 /// Adds `dh + df + dW·m`.

@@ -51,23 +51,9 @@ impl<'a> FloorCells<'a> {
         }
     }
 
-    /// Load of the lens over every cell: its mean height over the cell, below the tops of the pillars, times the square root of the cell
-    /// area.
+    /// [`lens_load`] on these cells.
     pub(crate) fn lens_load(&self, scene: &Scene) -> impl Iterator<Item = f64> {
-        let [width, height] = self.grid.division.cell;
-        let root = self.unit_cell();
-        let apex = scene.lens.apex_radius();
-        let varies = scene.lens.bends_unevenly();
-        // What the mean of a curved surface over a cell is higher than its centre by; of a table of heights where that is.
-        let mean = move |centre: Point| {
-            let jet = scene.lens.jet(centre).filter(|_| varies);
-            let [along_x, _, along_y] =
-                jet.map_or([apex.recip(), 0.0, apex.recip()], |jet| jet.hessian);
-            (width * width * along_x + height * height * along_y) / 24.0
-        };
-        self.grid.cells.centres().map(move |centre| {
-            -root * (scene.height + scene.lens.sag_with_brim(centre) + mean(centre))
-        })
+        lens_load(&self.grid, scene)
     }
 
     /// Square root of the area of a cell.
@@ -144,6 +130,33 @@ impl<'a> FloorCells<'a> {
             *value = if *loaded { *value } else { 0.0 };
         }
     }
+}
+
+/// Load of the lens over every cell: its mean height over the cell, below the tops of the pillars, times the square root of the cell area.
+pub(crate) fn lens_load(grid: &FloorGrid, scene: &Scene) -> impl Iterator<Item = f64> {
+    let [width, height] = grid.division.cell;
+    let root = grid.division.cell_area().sqrt();
+    let apex = scene.lens.apex_radius();
+    let varies = scene.lens.bends_unevenly();
+    // What the mean of a curved surface over a cell is higher than its centre by; of a table of heights where that is.
+    let mean = move |centre: Point| {
+        let jet = scene.lens.jet(centre).filter(|_| varies);
+        let [along_x, _, along_y] =
+            jet.map_or([apex.recip(), 0.0, apex.recip()], |jet| jet.hessian);
+        (width * width * along_x + height * height * along_y) / 24.0
+    };
+    grid.cells
+        .centres()
+        .map(move |centre| -root * (scene.height + scene.lens.sag_with_brim(centre) + mean(centre)))
+}
+
+/// Derivative of this load with respect to the radius of a lens that has one.
+pub(crate) fn lens_load_by_radius(grid: &FloorGrid, scene: &Scene) -> impl Iterator<Item = f64> {
+    let [width, height] = grid.division.cell;
+    let root = grid.division.cell_area().sqrt();
+    let mean = -(width * width + height * height) / (24.0 * scene.lens.apex_radius().powi(2));
+    let centres = grid.cells.centres();
+    centres.map(move |centre| -root * (scene.lens.by_radius(centre) + mean))
 }
 
 /// All contact places: pillar tops with their own rule, and the floor if it is touched.
