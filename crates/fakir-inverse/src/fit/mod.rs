@@ -114,8 +114,11 @@ use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
 use sampled::{Purpose, Sampled, Tolerance};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
-use std::cell::Cell as StdCell;
+use std::cell::{Cell as StdCell, OnceCell};
+use std::collections::BTreeSet;
 use std::convert::Infallible;
+use std::sync::Arc;
+use table::Table;
 
 /// A fitted parameter, in SI units.
 #[derive(Debug, Clone, PartialEq)]
@@ -587,6 +590,8 @@ struct Search<'a> {
     solved: StdCell<usize>,
     /// Interpolation between solved states; `None` if every row is solved.
     sampled: Option<Sampled>,
+    /// States in some rows with their derivatives, for the tests of fixed parameters.
+    of_tests: OnceCell<Arc<Table>>,
     /// Whether the search has ended.
     is_finished: bool,
 }
@@ -617,6 +622,7 @@ impl<'a> Search<'a> {
             earlier_iterations: 0,
             solved: StdCell::new(0),
             sampled: Sampled::suits(model, direct).then(Sampled::default),
+            of_tests: OnceCell::new(),
             is_finished: false,
             unknowns,
         };
@@ -702,50 +708,40 @@ impl<'a> Search<'a> {
 
     /// Derivatives with respect to fixed parameters, which are free in another model. They are not interpolated between the states of the search, which
     /// are too far apart for the tests of these parameters: up to a number of rows, they are computed in each, else in so many rows at equal distances
-    /// in the order of the load, and linear between these.
+    /// in the order of the load.
     fn derivatives_of_fixed(
         &self,
         model: &Model<'_>,
         unknowns: &[f64],
     ) -> Result<Vec<Derivatives>, FitError> {
-        let rows = model.data.rows();
         let Some(sampled) = &self.sampled else {
             return model.derivatives(unknowns, &self.states, self.stretch);
         };
+        let table = match self.of_tests.get() {
+            Some(known) => known,
+            None => {
+                let table = self.table_of_tests(sampled)?;
+                self.of_tests.get_or_init(|| table)
+            }
+        };
+        Sampled::default().derivatives(model, unknowns, &self.states, table, Purpose::Result)
+    }
+
+    /// States in these rows, with the exact derivatives of their forces.
+    fn table_of_tests(&self, sampled: &Sampled) -> Result<Arc<Table>, FitError> {
+        let (model, tolerance) = (self.model, self.tolerance());
+        let rows = model.data.rows();
         if rows.len() <= sampled::SOLVED_AT_END {
-            // Every row is a state of the table, with the exact derivatives of its force.
-            let table = sampled.table(self.model, &self.unknowns, self.tolerance())?;
-            let of_fixed = Sampled::default();
-            return of_fixed.derivatives(model, unknowns, &self.states, &table, Purpose::Result);
+            return sampled.table(model, &self.unknowns, tolerance);
         }
         let mut order: Vec<usize> = (0..rows.len()).filter(|row| self.used[*row]).collect();
         order.sort_by(|a, b| model::load_of(&rows[*a]).total_cmp(&model::load_of(&rows[*b])));
-        let steps = sampled::SOLVED_AT_END.min(order.len()) - 1;
-        let places: Vec<usize> = (0..=steps)
-            .map(|k| (order.len() - 1) * k / steps.max(1))
+        let steps = sampled::SOLVED_AT_END.min(order.len()).max(2) - 1;
+        let places = (0..=steps).map(|k| order.len().saturating_sub(1) * k / steps);
+        let picked: BTreeSet<usize> = places
+            .filter_map(|place| order.get(place).copied())
             .collect();
-        let mut is_solved = vec![false; rows.len()];
-        for place in &places {
-            is_solved[order[*place]] = true;
-        }
-        let is_solved = |row: usize| is_solved[row];
-        let mut derivatives =
-            model.derivatives_where(unknowns, &self.states, self.stretch, &is_solved)?;
-        for ends in places.windows(2) {
-            let [low, high] = [ends[0], ends[1]].map(|place| order[place]);
-            let load = |row: usize| model::load_of(&rows[row]);
-            let length = load(high) - load(low);
-            for place in ends[0] + 1..ends[1] {
-                let row = order[place];
-                let part = if length > 0.0 {
-                    (load(row) - load(low)) / length
-                } else {
-                    0.0
-                };
-                derivatives[row] = derivatives[low].between(&derivatives[high], part);
-            }
-        }
-        Ok(derivatives)
+        sampled.table_of(model, &self.unknowns, &picked, tolerance)
     }
 
     /// Derivatives at the states.

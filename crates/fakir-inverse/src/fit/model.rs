@@ -117,19 +117,6 @@ pub(super) struct Derivatives {
 }
 
 impl Derivatives {
-    /// Derivatives with respect to the unknowns on the straight line to those of another row.
-    pub(super) fn between(&self, other: &Self, part: f64) -> Self {
-        let line = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            let pairs = a.iter().zip(b);
-            pairs.map(|(a, b)| a + part * (b - a)).collect()
-        };
-        Self {
-            force: line(&self.force, &other.force),
-            contact_radius: line(&self.contact_radius, &other.contact_radius),
-            ..self.clone()
-        }
-    }
-
     /// Derivatives of a row that is outside the model.
     pub(super) fn none(unknowns: usize) -> Self {
         let none = vec![0.0; unknowns];
@@ -1304,17 +1291,6 @@ impl<'a> Model<'a> {
         states: &[State],
         stretch: f64,
     ) -> Result<Vec<Derivatives>, FitError> {
-        self.derivatives_where(unknowns, states, stretch, &|_| true)
-    }
-
-    /// The same in a part of the rows, and zero in the others.
-    pub(super) fn derivatives_where(
-        &self,
-        unknowns: &[f64],
-        states: &[State],
-        stretch: f64,
-        is_wanted: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Result<Vec<Derivatives>, FitError> {
         let settings = self.settings(unknowns)?;
         let pillars = match &settings.case {
             Subject::Pillars(case) if !self.is_adhesive && !self.is_viscoelastic => case,
@@ -1324,7 +1300,7 @@ impl<'a> Model<'a> {
         let cases = self.sides(unknowns);
         self.for_each_row(|row_number, row| {
             let state = &states[row_number];
-            if state.problem.is_some() || !is_wanted(row_number) {
+            if state.problem.is_some() {
                 return Ok(Derivatives::none(self.free.len()));
             }
             let load = match row.position {

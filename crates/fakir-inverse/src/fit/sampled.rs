@@ -18,6 +18,7 @@ use fakir::state::{ContactState, Derivatives as ForceDerivatives, SolveError};
 use fakir_case::Case;
 use rayon::prelude::*;
 use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Up to this number of rows, each is solved in every step.
@@ -246,6 +247,35 @@ impl Sampled {
             entries.remove(0);
         }
         Ok(table)
+    }
+
+    /// States of some rows alone, at the loads of the interpolated states, with their slopes and the derivatives of their forces.
+    pub(super) fn table_of(
+        &self,
+        model: &Model<'_>,
+        unknowns: &[f64],
+        rows: &BTreeSet<usize>,
+        tolerance: Tolerance,
+    ) -> Result<Arc<Table>, FitError> {
+        let known = self.table(model, unknowns, tolerance)?;
+        let settings = model.settings(unknowns)?;
+        let mut readings = self.readings(model, &settings);
+        readings.retain(|reading| rows.contains(&reading.row));
+        let refining = Refining {
+            model,
+            case: settings.pillars()?,
+            settings: &settings,
+            readings: &readings,
+            tolerance,
+            compliance: settings.compliance(model.data.position()),
+            by_force: model.data.position() == Position::None,
+        };
+        let mut table = Table::new(refining.origin());
+        refining.solve(&mut table, refining.loads(&known))?;
+        if !refining.by_force {
+            refining.add_slopes(&mut table)?;
+        }
+        Ok(Arc::new(table))
     }
 
     /// States of all rows.
