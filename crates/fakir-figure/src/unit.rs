@@ -11,6 +11,9 @@ const LENGTHS: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("µm", 1e-6), ("nm"
 const PRESSURES: &[(&str, f64)] = &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)];
 const FORCES: &[(&str, f64)] = &[("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9)];
 
+/// From long to short.
+const TIMES: &[(&str, f64)] = &[("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)];
+
 const ENERGIES: &[(&str, f64)] = &[
     ("J", 1.0),
     ("mJ", 1e-3),
@@ -34,6 +37,13 @@ impl Unit {
     /// For forces up to `largest`, N.
     pub(crate) fn of_force(largest: f64) -> Self {
         Self::choose(FORCES, largest)
+    }
+
+    /// For times up to `longest`, s: three units at least, or seconds.
+    pub(crate) fn of_time(longest: f64) -> Self {
+        let fit = TIMES.iter().find(|(_, size)| longest >= 3.0 * size);
+        let (name, size) = *fit.unwrap_or(&("s", 1.0));
+        Self { name, size }
     }
 
     /// For energies up to `largest`, J.

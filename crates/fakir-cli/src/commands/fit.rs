@@ -317,6 +317,7 @@ fn correlations(fitted: &Fit) -> String {
 /// Data and model.
 pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
     let load_of = match data.position() {
+        _ if fitted.is_viscoelastic => FittedLoad::Time,
         Position::Displacement => FittedLoad::Displacement,
         Position::Indentation => FittedLoad::Indentation,
         Position::None => FittedLoad::Force,
@@ -325,6 +326,17 @@ pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
         let quantity = scatter.quantity;
         let point = |(number, row): (usize, &FittedRow)| {
             let compared = row.compared(quantity)?;
+            if load_of == FittedLoad::Time {
+                // The force also depends on earlier states, and drifts are not separate from it.
+                return Some(FittedPoint {
+                    load: row.measurement.time?,
+                    measured: compared.measured,
+                    computed: compared.computed,
+                    error: compared.error,
+                    used: row.used,
+                    unloading: false,
+                });
+            }
             let load = match load_of {
                 FittedLoad::Force => row.measurement.force,
                 _ => row.measurement.position,
@@ -339,7 +351,7 @@ pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
                 (FittedLoad::Displacement, _) => [moment * fitted.displacement_drift, 0.0],
                 (FittedLoad::Indentation, Quantity::Force) => [0.0, force_drift],
                 (FittedLoad::Indentation, _) => [0.0, 0.0],
-                (FittedLoad::Force, _) => [force_drift, 0.0],
+                (FittedLoad::Force | FittedLoad::Time, _) => [force_drift, 0.0],
             };
             Some(FittedPoint {
                 load: load.value - load_drift,
@@ -358,14 +370,22 @@ pub(crate) fn figure(data: &Measurements, fitted: &Fit) -> Figure {
             .curve
             .iter()
             .partition(|point| point.branch == Some(Branch::Unloading));
+        let points: Vec<FittedPoint> = fitted.rows.iter().enumerate().filter_map(point).collect();
+        let [curve, unloading] = if load_of == FittedLoad::Time {
+            let mut at_rows: Vec<[f64; 2]> = points.iter().map(|p| [p.load, p.computed]).collect();
+            at_rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            [at_rows, Vec::new()]
+        } else {
+            [forth, back].map(|branch| branch.into_iter().map(place).collect())
+        };
         FittedCurve {
             quantity: match quantity {
                 Quantity::Force => FittedQuantity::Force,
                 Quantity::ContactRadius => FittedQuantity::ContactRadius,
             },
-            points: fitted.rows.iter().enumerate().filter_map(point).collect(),
-            curve: forth.into_iter().map(place).collect(),
-            unloading: back.into_iter().map(place).collect(),
+            points,
+            curve,
+            unloading,
         }
     };
     let curves: Vec<FittedCurve> = fitted.scatter.iter().map(curve).collect();

@@ -11,7 +11,7 @@ use crate::unit::Unit;
 /// A measured point with its fitted value, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedPoint {
-    /// Prescribed load: a length or a force.
+    /// Prescribed load: a length or a force; or the time.
     pub load: f64,
     /// Measured value.
     pub measured: f64,
@@ -43,6 +43,8 @@ pub enum FittedLoad {
     Indentation,
     /// Force, N.
     Force,
+    /// Time, s, in the history of viscoelastic bodies.
+    Time,
 }
 
 /// A fitted curve and its data.
@@ -87,7 +89,7 @@ pub fn fit_curves(load: FittedLoad, curves: &[FittedCurve], describes_data: bool
     .with_description(
         "Measured points, fitted curve and residuals",
         "Measured points with their standard errors on the fitted curve; below, the residuals (measured minus \
-         fitted values) over the same load.",
+         fitted values) over the same load or time.",
     )
 }
 
@@ -100,7 +102,8 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
         let largest = largest(&mut curve.points.iter().map(|point| point.load));
         match load {
             FittedLoad::Force => Unit::of_force(largest),
-            _ => Unit::of_length(largest),
+            FittedLoad::Time => Unit::of_time(largest),
+            FittedLoad::Displacement | FittedLoad::Indentation => Unit::of_length(largest),
         }
     };
     let unit = |largest: f64| match curve.quantity {
@@ -118,6 +121,7 @@ fn panels(load: FittedLoad, curve: &FittedCurve) -> [Chart; 2] {
             FittedLoad::Displacement => "displacement",
             FittedLoad::Indentation => "indentation *ζ*",
             FittedLoad::Force => "force *F*",
+            FittedLoad::Time => "time *t*",
         },
         of_load,
     ));

@@ -23,9 +23,6 @@ pub struct HistoryPoint {
     pub floor_share: Option<f64>,
 }
 
-/// Units of time: name, and seconds in one.
-const TIMES: [(&str, f64); 4] = [("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
-
 /// Force and indentation over time; below them, where these exist, the contact radius and the fraction of the load carried by the floor. The
 /// time at which the floor is reached is marked if it is shown.
 ///
@@ -41,8 +38,7 @@ pub fn history(points: &[HistoryPoint], floor_contact: Option<f64>) -> Result<Fi
     let largest =
         |value: &dyn Fn(&HistoryPoint) -> f64| points.iter().map(value).fold(0.0, f64::max);
     let duration = largest(&|point| point.time);
-    let fitting = TIMES.iter().rev().find(|(_, size)| duration >= 3.0 * size);
-    let (name, second) = *fitting.unwrap_or(&TIMES[1]);
+    let Unit { name, size: second } = Unit::of_time(duration);
     let force = Unit::of_force(largest(&|point| point.force));
     let depth = Unit::of_length(largest(&|point| point.indentation));
     let radius = Unit::of_length(largest(&|point| point.contact_radius.unwrap_or(0.0)));
