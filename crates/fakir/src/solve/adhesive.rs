@@ -285,7 +285,7 @@ impl<'a> Loading<'a> {
                         {
                             listener(&contact);
                         }
-                        self.attach_floor(lowest)?;
+                        self.attach_floor(lowest, end)?;
                         if end != End::Floor {
                             continue;
                         }
@@ -322,14 +322,12 @@ impl<'a> Loading<'a> {
         }
     }
 
-    /// Starts adhesion on the floor, from its lowest point.
-    fn attach_floor(&mut self, lowest: FloorPoint) -> Result<(), SolveError> {
+    /// Starts adhesion on the floor, from its lowest point, in a loading to a prescribed end.
+    fn attach_floor(&mut self, lowest: FloorPoint, end: End) -> Result<(), SolveError> {
         let (scene, spacing) = (self.path.scene, self.path.scene.field.spacing());
-        // The widths of a free ring around a pillar and of the first patch, if the floor is adhesive.
+        // The widths of the narrowest free ring around a pillar and of the first patch, if the floor is adhesive.
         let widths = self.path.floor_works.map(|works| {
-            let pillar = BondedFloorPillar::of(self.system);
-            let ring = pillar.free_ring(self.system.adhesion().receding());
-            let ring = (ring.ok().flatten()).map_or(spacing, |ring| ring / scene.length);
+            let ring = self.narrowest_ring(end).unwrap_or(spacing);
             let curvature = self.path.gap_radius(&lowest);
             let patch = (2.0 * PI * works.advancing * curvature * curvature).cbrt();
             [ring, patch]
@@ -347,6 +345,36 @@ impl<'a> Loading<'a> {
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
         self.path.attach_floor(lowest, division, window)
+    }
+
+    /// Width of the narrowest free ring around a pillar that the lens may touch in a loading to a prescribed end, from the closed form
+    /// without pressure. Pillars that are pressed down to the floor have no ring; 0 if all are. `None` if the floor detaches from all others.
+    fn narrowest_ring(&self, end: End) -> Option<f64> {
+        let (system, scene) = (self.system, self.path.scene);
+        // Farther pillars of an infinite lattice are like the near ones.
+        let reach = match (end, scene.field.extent()) {
+            (End::Indentation(indentation), Some(_)) => scene.farthest_reached(indentation),
+            _ => self.path.sites.radius(),
+        };
+        let (pillars, _) = scene.field.listed_within(reach);
+        let mut bodies: Vec<[f64; 2]> = pillars
+            .iter()
+            .map(|(_, pillar)| [pillar.body.radius, pillar.body.raised])
+            .collect();
+        bodies.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+        // The lower of two pillars of one radius has the narrower ring.
+        bodies.dedup_by(|next, kept| next[0].to_bits() == kept[0].to_bits());
+        let work = system.adhesion().receding();
+        let rings = bodies.into_iter().filter_map(|[radius, raised]| {
+            let [radius, height] = [radius, scene.height + raised].map(|x| x * scene.length);
+            let compliance = system.column_compliance_of(height, 2.0 * radius);
+            let modulus = system.reduced_modulus();
+            let pillar = BondedFloorPillar::new(modulus, radius, height, compliance).ok()?;
+            pillar.free_ring(work).ok().flatten()
+        });
+        // Narrowest first, closed ones last.
+        let by_width = |a: &f64, b: &f64| (*a == 0.0).cmp(&(*b == 0.0)).then(a.total_cmp(b));
+        rings.min_by(by_width).map(|ring| ring / scene.length)
     }
 
     /// Returns the current contact.
@@ -941,8 +969,72 @@ fn warnings(system: &System, contact_ratio: f64) -> Vec<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::problem::Adhesion;
     use crate::problem::column::Column;
     use crate::theory::reference;
+
+    /// Cells are chosen for the narrowest ring: that of the lowest pillar of the diameter with the narrowest rings. A pillar that is beyond
+    /// the reach of the lens, or is pressed down to the floor, does not count.
+    #[test]
+    fn cells_follow_the_narrowest_ring_of_any_pillar() {
+        use crate::problem::{ListedPillar, PillarList};
+
+        let run = Run::default();
+        let bodies = [
+            (0.0, 6e-6, 2.2e-6),
+            (20e-6, 3e-6, 2.4e-6),
+            (-20e-6, 3e-6, 2.2e-6),
+            (-35e-6, 4e-6, 2.2e-6),
+            // Hardly above the floor.
+            (45e-6, 5e-6, 1e-12),
+            (900e-6, 1e-6, 2.2e-6),
+        ];
+        let pillar = |(x, diameter, height)| ListedPillar {
+            centre: [x, 0.0],
+            height,
+            diameter,
+        };
+        for compliance in [
+            PillarCompliance::None,
+            PillarCompliance::Column,
+            PillarCompliance::Elastic,
+        ] {
+            // The compliance of elastic pillars is available for slender ones.
+            let count = match compliance {
+                PillarCompliance::Elastic => 4,
+                _ => bodies.len(),
+            };
+            let list = PillarList::new(bodies[..count].iter().copied().map(pillar).collect());
+            let lattice = reference::lattice(0.03);
+            let system = reference::on_lattice(lattice, reference::INTERMEDIATE, compliance)
+                .with_arrangement(list.unwrap())
+                .unwrap()
+                .with_adhesion(Adhesion::new(0.01).with_floor())
+                .unwrap();
+            let scene = Scene::new(&system);
+            let drive = LoadingMode::Displacement;
+            let loading = Loading::new(&system, &scene, Accuracy::Default, drive, &run).unwrap();
+            let of = |(_, diameter, height): (f64, f64, f64)| {
+                let compliance = system.column_compliance_of(height, diameter);
+                let modulus = system.reduced_modulus();
+                let pillar = BondedFloorPillar::new(modulus, 0.5 * diameter, height, compliance);
+                pillar.unwrap().free_ring(0.01).unwrap().unwrap()
+            };
+            let expected = bodies[..4]
+                .iter()
+                .copied()
+                .map(of)
+                .fold(f64::INFINITY, f64::min);
+            let indentation = 4e-6 / scene.length;
+            let found = loading
+                .narrowest_ring(End::Indentation(indentation))
+                .unwrap();
+            let found = found * scene.length;
+            println!("{compliance:?}: {found:e} {expected:e}");
+            assert!((found / expected - 1.0).abs() < 1e-9);
+            assert!(expected < 0.9 * of(bodies[0]) && expected < of(bodies[1]));
+        }
+    }
 
     /// Compares the stated error with the same path on tilting columns.
     #[test]

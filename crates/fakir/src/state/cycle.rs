@@ -70,7 +70,7 @@ pub struct HeldFloor {
 pub struct FloorResolution {
     /// Root of the area of a cell, m.
     pub cell: f64,
-    /// Number of cells across the free annulus around a pillar, from the closed form of an annulus without pressure. With fewer than
+    /// Number of cells across the narrowest free annulus around a pillar, from the closed form of an annulus without pressure. With fewer than
     /// [`ENOUGH`](Self::ENOUGH), the results are correct in order of magnitude only: the floor detaches too late. `None` for a floor without
     /// adhesion.
     pub cells_across_ring: Option<f64>,
