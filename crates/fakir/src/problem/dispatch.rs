@@ -207,6 +207,12 @@ impl Unsupported {
 }
 
 impl Unsupported {
+    /// The fast model of a collapsed floor.
+    pub(crate) const BUT_FOR_COLUMNS: Self = Self {
+        why: "the fast model of a collapsed floor does not contain the tilt of elastic pillars",
+        instead: "use columns, or compute a `cycle`",
+        with: &[ELASTIC],
+    };
     /// Designed heights of adhesive tops.
     pub const HEIGHTS_OF_ADHESIVE_TOPS: Self = Self {
         why: "heights are designed for tops without adhesion: with it the curve jumps where contacts begin",
@@ -245,7 +251,6 @@ const ON_PILLARS: &[Solver] = &[
     Solver::Homogenised,
 ];
 const WITHOUT_ADHESION: &[Solver] = &[Solver::Punch, Solver::Elements, Solver::Homogenised];
-const SPECTRAL: &[Solver] = &[Solver::Spectral];
 const ASPERITIES: &[Solver] = &[Solver::Asperities];
 const HEIGHT_MAP: &[Solver] = &[Solver::HeightMap];
 const FLAT: &[Solver] = &[Solver::Flat];
@@ -426,20 +431,6 @@ static RULES: &[Rule] = &[
         &[LAYER, SEVERAL_DIAMETERS],
         "pillars of several diameters are not supported if the lens or the substrate is a layer",
         "leave out the thicknesses, or give all pillars the common diameter",
-    ),
-    rule(
-        ANY,
-        SPECTRAL,
-        &[ADHESIVE_FLOOR, SEVERAL_DIAMETERS],
-        "an adhesive floor is supported only between pillars of one diameter, and here diameters differ",
-        "give all pillars the common diameter, or use adhesion of the tops only",
-    ),
-    rule(
-        ANY,
-        SPECTRAL,
-        &[ADHESIVE_FLOOR, ELASTIC],
-        "an adhesive floor is supported only between pillars that are columns or rigid",
-        "use columns, or adhesion of the tops only",
     ),
     // Rounded tops.
     rule(

@@ -303,16 +303,24 @@ impl Path<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::halfspace::disc::basis::UNIT_FORCE;
+    use crate::problem::column::Column;
+    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
     use crate::problem::scaled::Scene;
-    use crate::problem::{HexagonalLattice, PillarCompliance};
+    use crate::problem::{
+        self, Adhesion, HexagonalLattice, Lens, Load, Material, Method, Pillar, PillarCompliance,
+        PillarPattern, System,
+    };
     use crate::solve::linearized::Source;
     use crate::solve::path::{End, Energies, FixedQuantity, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
-    use crate::solve::rules::fronts::{Fronts, Works};
-    use crate::state::Run;
+    use crate::solve::rules::fronts::{Domain, Fronts, Works};
+    use crate::state::{Run, Termination};
     use crate::theory::reference;
+    use crate::theory::stuck_floor::AnnulusCoefficients;
     use rayon::prelude::*;
     use std::f64::consts::PI;
+    use std::sync::Arc;
 
     /// A lens above a floor without pillars nearby.
     fn bare(pitch: f64) -> Scene {
@@ -320,7 +328,7 @@ mod tests {
         let system =
             reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::None);
         Scene {
-            field: crate::problem::pillar_field::PillarField::Hexagonal {
+            field: PillarField::Hexagonal {
                 lattice: HexagonalLattice {
                     offset: 1.0 / 3f64.sqrt(),
                     ..HexagonalLattice::new(pitch)
@@ -337,8 +345,7 @@ mod tests {
             advancing,
             receding,
         };
-        let kappa = scene.field.column().shortening;
-        let fronts = Fronts::new(2, kappa, works, true);
+        let fronts = Fronts::new(2, scene.field.column(), works, true);
         Path::new(scene, run, fronts, FixedQuantity::Indentation).unwrap()
     }
 
@@ -605,13 +612,72 @@ mod tests {
         check_spheres(&[(50.0, [1.0; 2], 0.01), (25.0, [1.0; 2], 0.03)]);
     }
 
+    /// Detached rings of given outer radii around tops, in a floor that adheres to a flat lens up to a distance from its axis, where the tops
+    /// have a unit step: the radius of every ring by its area, and the mean of `K` on it.
+    fn rings(
+        scene: &Scene,
+        division: Division,
+        adhering: f64,
+        rings: &[(Point, f64)],
+    ) -> Vec<[f64; 2]> {
+        let run = Run::default();
+        let mut path = path(scene, &run, [1.0; 2]);
+        let away = |[x, y]: Point, [u, v]: Point| (x - u).hypot(y - v);
+        let is_ringed = |top: Point| rings.iter().any(|(centre, _)| away(*centre, top) < 1e-9);
+        let domains = path.sites.centres().iter().map(|top| {
+            if is_ringed(*top) {
+                Domain::FULL
+            } else {
+                Domain::OUT
+            }
+        });
+        path.tops.domains = domains.collect();
+        path.lay_floor(Course::Loading, division, adhering + 3.0, &|point| {
+            let free = rings.iter().any(|(top, outer)| away(*top, point) < *outer);
+            (!free && away(point, [0.0; 2]) < adhering).then_some([0.0; 2])
+        })
+        .unwrap();
+        let tops = path.contact.tops();
+        let modes = path.contact.modes();
+        let loads = path.contact.own_load_mut();
+        loads.fill(0.0);
+        for load in loads[..tops].iter_mut().step_by(modes) {
+            *load = UNIT_FORCE;
+        }
+        path.contact.move_to(0.0);
+        path.solve_within(Source::Present, 1e-7).unwrap();
+        let floor = path.floor.as_mut().unwrap();
+        let scale = floor.cells.unit_cell().recip();
+        let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
+        let loads = path.contact.floor_load();
+        floor.fronts.measure(floor.cells.loaded(), loads, pressures);
+        let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
+        let found = floor.fronts.intensities(floor.cells.loaded());
+        let of_ring = |(top, outer): &(Point, f64)| {
+            // The radius of the ring from its area, including cells that are cut by the top.
+            let is_near = |point: &Point| away(*top, *point) < outer + 1.0;
+            let bonded = floor.cells.loaded().iter().zip(&centres);
+            let inside = bonded
+                .filter(|(bonded, at)| **bonded && is_near(at))
+                .count();
+            let all = floor.cells.grid.cells.grid().centres();
+            let free = all.filter(is_near).count() - inside;
+            let on_ring: Vec<f64> = found
+                .iter()
+                .filter(|(cell, _)| is_near(&centres[*cell]))
+                .map(|(_, k)| *k)
+                .collect();
+            let mean = on_ring.iter().sum::<f64>() / on_ring.len() as f64;
+            [(free as f64 * division.cell_area() / PI).sqrt(), mean]
+        };
+        rings.iter().map(of_ring).collect()
+    }
+
     /// A detached ring around a pillar in a floor that adheres to a flat lens: `K` compared to the closed form.
     #[test]
     fn rings_round_a_pillar() {
-        use crate::theory::stuck_floor::AnnulusCoefficients;
-        let run = Run::default();
         let mut scene = bare(40.0);
-        scene.field = crate::problem::pillar_field::PillarField::Hexagonal {
+        scene.field = PillarField::Hexagonal {
             lattice: HexagonalLattice::new(40.0),
             column: 0.0.into(),
         };
@@ -621,66 +687,259 @@ mod tests {
             let division = Division::new(&scene.field, fineness);
             let side = division.cell_area().sqrt();
             for outer in [1.5, 2.0, 3.0] {
-                let mut path = path(&scene, &run, [1.0; 2]);
-                path.tops
-                    .domains
-                    .fill(crate::solve::rules::fronts::Domain::OUT);
-                let centre = path
-                    .sites
-                    .centres()
-                    .iter()
-                    .position(|[x, y]| x.hypot(*y) < 1e-9);
-                path.tops.domains[centre.unwrap()] = crate::solve::rules::fronts::Domain::FULL;
-                path.lay_floor(Course::Loading, division, 18.0, &|[x, y]| {
-                    (outer..15.0).contains(&x.hypot(y)).then_some([0.0; 2])
-                })
-                .unwrap();
-                let tops = path.contact.tops();
-                let modes = path.contact.modes();
-                let loads = path.contact.own_load_mut();
-                loads.fill(0.0);
-                for load in loads[..tops].iter_mut().step_by(modes) {
-                    *load = crate::halfspace::disc::basis::UNIT_FORCE;
+                for [b, mean] in rings(&scene, division, 15.0, &[([0.0; 2], outer)]) {
+                    let exact = AnnulusCoefficients::new(b).unwrap();
+                    let ratio = mean / exact.intensity_per_step;
+                    let across = (b - 1.0) / side;
+                    println!("{across:.2} cells: K {ratio:.3}");
+                    assert!(
+                        across < 3.0 || (ratio - 1.0).abs() < 0.02,
+                        "{across}: {ratio}"
+                    );
                 }
-                path.contact.move_to(0.0);
-                path.solve_within(Source::Present, 1e-7).unwrap();
-                let floor = path.floor.as_mut().unwrap();
-                let scale = floor.cells.unit_cell().recip();
-                let pressures = path.contact.floor_coefficients().iter().map(|c| scale * c);
-                let loads = path.contact.floor_load();
-                floor.fronts.measure(floor.cells.loaded(), loads, pressures);
-                let centres: Vec<Point> = floor.cells.grid.cells.centres().collect();
-                // The radius of the ring from its area, including cells that are cut by the top.
-                let bonded = floor.cells.loaded().iter().zip(&centres);
-                let inside = bonded.filter(|(b, _)| **b).count() as f64;
-                let near = |[x, y]: &Point| x.hypot(*y) < 15.0;
-                let grid = floor.cells.grid.cells.grid();
-                let all = grid.centres().filter(near).count() as f64;
-                let b = ((all - inside) * division.cell_area() / PI).sqrt();
-                let exact = AnnulusCoefficients::new(b).unwrap();
-                let found = floor.fronts.intensities(floor.cells.loaded());
-                let on_ring: Vec<f64> = found
-                    .iter()
-                    .filter(|(cell, _)| centres[*cell][0].hypot(centres[*cell][1]) < 10.0)
-                    .map(|(_, k)| *k)
-                    .collect();
-                let mean = on_ring.iter().sum::<f64>() / on_ring.len() as f64;
-                let ratio = mean / exact.intensity_per_step;
-                let across = (b - 1.0) / side;
-                println!("{across:.2} cells: K {ratio:.3}");
-                assert!(
-                    across < 3.0 || (ratio - 1.0).abs() < 0.02,
-                    "{across}: {ratio}"
-                );
             }
         }
+    }
+
+    /// The same around distant pillars of several radii, two of which are elastic: with the radius `a` and the shortening `kappa` relative
+    /// to a flat punch, a step of one shrinks to `1/(1 + kappa F_1/2)`, and `K` is that over the root of `a`. By symmetry they do not tilt.
+    #[test]
+    fn rings_round_elastic_pillars_of_several_radii() {
+        let pillars = [
+            ([-11.0, 0.0], 1.0, Column::default()),
+            (
+                [9.0, 7.0],
+                1.5,
+                Column {
+                    shortening: 0.4,
+                    rocking: 0.7,
+                },
+            ),
+            (
+                [6.0, -11.0],
+                0.8,
+                Column {
+                    shortening: 1.1,
+                    rocking: 2.0,
+                },
+            ),
+        ];
+        let listed = pillars.map(|(centre, radius, column)| ListedPillar {
+            centre,
+            body: PillarBody {
+                radius,
+                raised: 0.0,
+                column,
+            },
+        });
+        let list = PillarList::new(listed.to_vec()).unwrap();
+        let scene = Scene {
+            field: PillarField::Listed(Arc::new(list)),
+            ..bare(40.0)
+        };
+        let fineness = (0.5 * scene.field.shortest_distance() / 0.15).round();
+        let division = Division::new(&scene.field, fineness as usize);
+        let outer = pillars.map(|(centre, radius, _)| (centre, 2.0 * radius));
+        let found = rings(&scene, division, 21.0, &outer);
+        for ([b, mean], (_, a, column)) in found.into_iter().zip(pillars) {
+            let exact = AnnulusCoefficients::new(b / a).unwrap();
+            let step = 1.0 / (1.0 + 0.5 * column.shortening * exact.force_per_step);
+            let ratio = mean / (step * exact.intensity_per_step / a.sqrt());
+            println!("radius {a}: {b} K {ratio:.3}");
+            assert!((ratio - 1.0).abs() < 0.02, "{a}: {ratio}");
+        }
+    }
+
+    /// Four pillars of two diameters (um) in turns, and of several heights, under a small lens off any axis of symmetry.
+    #[derive(Clone, Copy)]
+    struct Four {
+        diameters: [f64; 2],
+        /// Diameter of the common pillar, um.
+        common: f64,
+        compliance: PillarCompliance,
+        /// Young's modulus of the substrate, Pa.
+        substrate: f64,
+        /// Unit of length in um.
+        unit: f64,
+        /// Whether `x` is reflected.
+        mirrored: bool,
+    }
+
+    const FOUR: Four = Four {
+        diameters: [6.0, 8.0],
+        common: 6.0,
+        compliance: PillarCompliance::Elastic,
+        substrate: reference::INTERMEDIATE,
+        unit: 1.0,
+        mirrored: false,
+    };
+
+    impl Four {
+        /// With a work of adhesion (J/m^2) of 0.01 in these units of length.
+        fn system(self) -> System {
+            let micrometre = 1e-6 * self.unit;
+            let [one, other] = self.diameters;
+            let pillars = [
+                (-8.7, -9.4, 2.2, one),
+                (11.2, -8.1, 2.1, other),
+                (-9.9, 10.5, 2.15, other),
+                (10.1, 11.7, 2.2, one),
+            ];
+            let listed = pillars.map(|(x, y, height, diameter)| problem::ListedPillar {
+                centre: [if self.mirrored { -x } else { x }, y].map(|x| micrometre * x),
+                height: micrometre * height,
+                diameter: micrometre * diameter,
+            });
+            let pillar = Pillar {
+                diameter: micrometre * self.common,
+                height: micrometre * 2.2,
+                compliance: self.compliance,
+            };
+            let list = problem::PillarList::new(listed.to_vec()).unwrap();
+            let lens = Lens {
+                radius: micrometre * 150.0,
+                material: Material::new(reference::INTERMEDIATE, 0.5),
+            };
+            let substrate = Material::new(self.substrate, 0.5);
+            System::new(lens, substrate, PillarPattern::new(pillar, list))
+                .unwrap()
+                .with_adhesion(Adhesion::new(0.01 * self.unit).with_floor())
+                .unwrap()
+        }
+
+        /// Force, floor force and floor area at an indentation (um), on cells of a twelfth of half the spacing, relative to the unit of length.
+        fn pressed(self, indentation: f64) -> [f64; 3] {
+            let scene = Scene::new(&self.system());
+            let run = Run::default();
+            let path = pressed(
+                &self.system(),
+                &scene,
+                &run,
+                12,
+                indentation * 1e-6 * self.unit,
+            );
+            let floor = path.floor_station().unwrap();
+            let newton = scene.force() / self.unit.powi(2);
+            let micrometre = scene.length / (1e-6 * self.unit);
+            [
+                newton * path.force(),
+                newton * floor.force,
+                micrometre * micrometre * floor.area,
+            ]
+        }
+    }
+
+    /// A system with an adhesive floor, pressed past the critical state to an indentation (m), with cells of this fineness on the floor.
+    fn pressed<'a>(
+        system: &System,
+        scene: &'a Scene,
+        run: &'a Run<'a>,
+        fineness: usize,
+        indentation: f64,
+    ) -> Path<'a> {
+        let work = system.adhesion().work / (scene.pressure * scene.length);
+        let mut path = path(scene, run, [work; 2]);
+        let Stop::Floor(lowest) = path.go(Course::Loading, End::Floor, true).unwrap() else {
+            panic!("the floor is reached");
+        };
+        let division = Division::new(&scene.field, fineness);
+        let window = 1.5 * scene.field.spacing();
+        path.attach_floor(lowest, division, window).unwrap();
+        let end = End::Indentation(indentation / scene.length);
+        path.go(Course::Loading, end, false).unwrap();
+        assert_eq!(path.termination(), Termination::Converged);
+        path
+    }
+
+    #[track_caller]
+    fn assert_alike(found: [f64; 3], expected: [f64; 3], allowed: [f64; 3]) {
+        for ((found, expected), allowed) in found.into_iter().zip(expected).zip(allowed) {
+            let difference = found / expected - 1.0;
+            println!("{found:e} {expected:e}: {difference:.1e}, allowed {allowed:.1e}");
+            assert!(difference.abs() < allowed);
+        }
+    }
+
+    /// The solution depends neither on the diameter of the common pillar, which is the unit of length, nor on the unit of the input, and
+    /// reflected pillars carry the same. No two cells are equivalent, so that rounding hardly ever moves another cell.
+    #[test]
+    fn unlike_pillars_scale_and_may_be_reflected() {
+        let expected = FOUR.pressed(4.5);
+        assert!(expected[1] > 0.05 * expected[0], "{expected:?}");
+        for other in [
+            Four {
+                common: 8.0,
+                ..FOUR
+            },
+            Four { unit: 3.0, ..FOUR },
+            Four {
+                mirrored: true,
+                ..FOUR
+            },
+        ] {
+            assert_alike(other.pressed(4.5), expected, [1e-6; 3]);
+        }
+    }
+
+    /// Diameters that hardly differ are equal ones.
+    #[test]
+    fn nearly_equal_pillars_are_equal_ones() {
+        let [equal, unlike] = [6.0, 6.0 * (1.0 + 1e-7)].map(|other| {
+            let diameters = [6.0, other];
+            let four = Four { diameters, ..FOUR };
+            four.pressed(4.5)
+        });
+        assert_alike(unlike, equal, [1e-5; 3]);
+    }
+
+    /// Elastic pillars much stiffer than the lens are rigid.
+    #[test]
+    fn stiff_elastic_pillars_are_rigid_ones() {
+        let [elastic, rigid] =
+            [PillarCompliance::Elastic, PillarCompliance::None].map(|compliance| {
+                let four = Four {
+                    compliance,
+                    substrate: 2e14,
+                    ..FOUR
+                };
+                four.pressed(4.0)
+            });
+        assert_alike(elastic, rigid, [1e-5; 3]);
+    }
+
+    /// Work is neither gained nor lost between tops of two diameters on elastic pillars and the floor: that of a closed cycle is dissipated.
+    #[test]
+    fn a_cycle_on_unlike_elastic_pillars_dissipates_its_work() {
+        let system = FOUR.system();
+        let scene = Scene::new(&system);
+        let run = Run::default();
+        let mut path = pressed(&system, &scene, &run, 12, 4.5e-6);
+        assert!(path.floor.is_some());
+        path.go(Course::Unloading, End::Separation, false).unwrap();
+        assert!(path.floor.is_none() && path.counts()[0] == 0);
+        let Energies {
+            work, dissipation, ..
+        } = path.energies;
+        assert!(work > 0.0);
+        assert_near("dissipated", dissipation, work, 1e-3);
     }
 
     /// Without adhesion the floor carries pressure where the lens would penetrate it, and nowhere else: the same contact as the mixed
     /// method.
     #[test]
     fn without_adhesion_it_is_the_mixed_contact() {
-        let system = reference::intermediate(0.03);
+        check_without_adhesion(&reference::intermediate(0.03), 16);
+    }
+
+    /// The same between elastic pillars of two diameters.
+    #[test]
+    fn without_adhesion_it_is_the_mixed_contact_between_unlike_elastic_pillars() {
+        check_without_adhesion(&FOUR.system(), 24);
+    }
+
+    /// Compares the contact with hardly any work of adhesion to that by the mixed method, on cells of this fineness.
+    fn check_without_adhesion(system: &System, fineness: usize) {
+        let system = system.with_adhesion(Adhesion::default()).unwrap();
         let scene = Scene::new(&system);
         let run = Run::default();
         let w = 1e-6 / (scene.pressure * scene.length);
@@ -689,14 +948,13 @@ mod tests {
             panic!("the floor is reached");
         };
         let indentation = 1.2 * path.indentation();
-        let division = Division::new(&scene.field, 16);
+        let division = Division::new(&scene.field, fineness);
         let window = 2.0 * scene.field.spacing();
         path.attach_floor(lowest, division, window).unwrap();
         path.go(Course::Loading, End::Indentation(indentation), false)
             .unwrap();
-        let control = crate::problem::Load::Indentation(indentation * scene.length);
-        let mixed =
-            crate::press(&system, control, crate::problem::Method::default(), &run).unwrap();
+        let control = Load::Indentation(indentation * scene.length);
+        let mixed = crate::press(&system, control, Method::default(), &run).unwrap();
         let force = path.force() * scene.force();
         let share = path.contact.floor_force() / path.force();
         println!(

@@ -24,7 +24,7 @@
 
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::problem::quantity::Requirement;
-use crate::problem::{Point, Quantity, System, Unsupported};
+use crate::problem::{PillarCompliance, Point, Quantity, System, Unsupported};
 use crate::state::{Run, SolveError};
 use crate::theory::stuck_floor::{AnnulusCoefficients, BondedFloorPillar, FreeAnnulus};
 use std::f64::consts::PI;
@@ -307,13 +307,16 @@ impl CollapsedFloor {
     /// loading and on unloading.
     ///
     /// # Errors
-    /// [`Unsupported`] unless equal pillars form the infinite hexagonal lattice and the lens is a sphere; a work of adhesion or an
+    /// [`Unsupported`] unless equal rigid pillars or columns form the infinite hexagonal lattice and the lens is a sphere; a work of adhesion or an
     /// indentation that is not positive, or an indentation above a tenth of the lens radius.
     pub fn new(system: &System, largest_indentation: f64) -> Result<Self, SolveError> {
         let lattice = system.hexagonal_lattice();
         let lattice = lattice.ok_or(Unsupported::BUT_FOR_THE_LATTICE)?;
         let lens = system.lens().sphere();
         let lens = lens.ok_or(Unsupported::BUT_FOR_A_SPHERE)?;
+        if system.pillar().compliance == PillarCompliance::Elastic {
+            return Err(Unsupported::BUT_FOR_COLUMNS.into());
+        }
         let work = Requirement::Positive.check(Quantity::WorkOfAdhesion, system.adhesion().work)?;
         Requirement::Between(0.0, 0.1 * lens.radius)
             .check(Quantity::Indentation, largest_indentation)?;
@@ -883,11 +886,11 @@ mod tests {
     };
 
     /// The paper's intermediate substrate with a surface fraction, and a work of adhesion in mJ/m^2.
-    fn floor(surface_fraction: f64, work: f64, largest_indentation: f64) -> CollapsedFloor {
+    fn system(surface_fraction: f64, work: f64, compliance: PillarCompliance) -> System {
         let pillar = Pillar {
             diameter: 6e-6,
             height: 2.2e-6,
-            compliance: PillarCompliance::Column,
+            compliance,
         };
         let rubber = Material::new(2e6, 0.5);
         let lens = Lens {
@@ -896,7 +899,12 @@ mod tests {
         };
         let lattice = HexagonalLattice::with_surface_fraction(surface_fraction, pillar.diameter);
         let system = System::new(lens, rubber, PillarPattern::new(pillar, lattice)).unwrap();
-        let adhesive = system.with_adhesion(Adhesion::new(work * 1e-3)).unwrap();
+        system.with_adhesion(Adhesion::new(work * 1e-3)).unwrap()
+    }
+
+    /// The floor of this system between columns.
+    fn floor(surface_fraction: f64, work: f64, largest_indentation: f64) -> CollapsedFloor {
+        let adhesive = system(surface_fraction, work, PillarCompliance::Column);
         CollapsedFloor::new(&adhesive, largest_indentation).unwrap()
     }
 
@@ -1139,6 +1147,9 @@ mod tests {
         assert!(floor.state(1e-3, 4e-6).is_err());
         assert!(floor.state(50e-6, 6e-6).is_err());
         assert!(floor.state(50e-6, f64::NAN).is_err());
+        let elastic = system(0.03, 50.0, PillarCompliance::Elastic);
+        let refused = CollapsedFloor::new(&elastic, 5e-6).err().unwrap();
+        assert!(refused.to_string().contains("use columns"), "{refused}");
         assert!(floor.state(80e-6, 4e-6).unwrap().in_range);
         assert!(!floor.state(50e-6, 4e-6).unwrap().in_range);
     }
