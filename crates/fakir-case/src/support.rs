@@ -285,9 +285,7 @@ mod tests {
         let press = "| `press` | yes | yes | yes | yes | yes | yes |";
         assert!(table.contains(press), "{table}");
         assert!(
-            table.contains(
-                "| pillars of several diameters and lens or substrate of finite thickness |"
-            ),
+            table.contains("| pillars of several diameters and adhesive floor |"),
             "{table}"
         );
     }

@@ -425,13 +425,6 @@ static RULES: &[Rule] = &[
         "this method does not compute maps of pressure, gap and displacement",
         "use the spectral method or the punch lattice",
     ),
-    rule(
-        ANY,
-        ON_PILLARS,
-        &[LAYER, SEVERAL_DIAMETERS],
-        "pillars of several diameters are not supported if the lens or the substrate is a layer",
-        "leave out the thicknesses, or give all pillars the common diameter",
-    ),
     // Rounded tops.
     rule(
         ANY,

@@ -377,6 +377,14 @@ fn neighbours_of(pillars: &[ListedPillar]) -> Neighbours {
     )
 }
 
+/// The different ones of these values, in increasing order.
+pub(crate) fn different(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut different: Vec<f64> = values.collect();
+    different.sort_unstable_by(f64::total_cmp);
+    different.dedup_by_key(|value| value.to_bits());
+    different
+}
+
 /// Positions and bodies of pillars.
 #[derive(Debug, Clone)]
 pub(crate) enum PillarField {
@@ -592,6 +600,15 @@ impl PillarField {
                 let radii = list.pillars.iter().map(|pillar| pillar.body.radius);
                 radii.fold(f64::INFINITY, f64::min)
             }
+        }
+    }
+
+    /// The different radii of the tops, in increasing order.
+    pub(crate) fn radii(&self) -> Vec<f64> {
+        match self {
+            Self::Hexagonal { .. } => vec![1.0],
+            Self::Lattice(lattice) => vec![lattice.body.radius],
+            Self::Listed(list) => different(list.pillars.iter().map(|pillar| pillar.body.radius)),
         }
     }
 

@@ -480,9 +480,10 @@ impl<'a> Loading<'a> {
     fn degree_errors(&self) -> [f64; 2] {
         let degree = self.path.tops.degree();
         let of_layers = |power: usize| -> f64 {
+            let [largest, _] = self.path.scene.field.bounds();
             let layers = self.path.scene.layers.iter();
             layers
-                .map(|layer| layer.weight * layer.thickness.powi(-(power as i32)))
+                .map(|layer| layer.weight * (layer.thickness / largest).powi(-(power as i32)))
                 .sum()
         };
         [

@@ -547,12 +547,7 @@ fn patch_state(
         bonded: None,
         rim_contact: None,
     };
-    // The layer contributions are tabulated for the radius of the single disc.
-    let of_disc = Scene {
-        layers: WeightedLayer::in_unit(&scene.layers, patch.radius),
-        ..scene.clone()
-    };
-    let fields = Fields::new(of_disc, patch.indentation, vec![disc], degree, degree);
+    let fields = Fields::new(scene.clone(), patch.indentation, vec![disc], degree, degree);
     let centre = scene.metres(pillar.centre);
     let force = patch.force * scene.force();
     let body = pillar.body;

@@ -138,7 +138,8 @@ fn floor_changes(newton: &Newton<'_>, outcome: &Outcome, adjoints: [&Adjoint; 2]
         return [0.0; 2];
     }
     let degree = degree_with(newton.tops.top.count());
-    let exterior = Exterior::new(degree).with_layers(&newton.scene.layers);
+    let exterior =
+        Exterior::new(degree).with_layers(&newton.scene.layers, &newton.scene.field.radii());
     let mut displacement = vec![0.0; newton.tops.top.count()];
     let mut solver = LocalSolver::new(&newton.tops.top);
     let change: f64 = near
@@ -333,7 +334,8 @@ fn degree_changes(
     let count = mode_count(extended);
     let neighbours = Neighbours::new(newton, extended);
     let compliance = compliances(extended, 0.0);
-    let exterior = Exterior::new(extended).with_layers(&newton.scene.layers);
+    let exterior =
+        Exterior::new(extended).with_layers(&newton.scene.layers, &newton.scene.field.radii());
     let fields = [
         total,
         adjoints[0].coefficients.as_slice(),
@@ -506,7 +508,7 @@ impl Neighbours {
             for j in -reach..=reach {
                 let [x, y]: Point = lattice.lattice_vector(i, j);
                 if (i, j) == (0, 0) {
-                    if let Some(own) = pair.own_block() {
+                    if let Some(own) = pair.own_block(1.0) {
                         blocks.push(((i, j), modes_beyond(&own, modes, count)));
                     }
                     continue;
@@ -554,7 +556,7 @@ impl Neighbours {
                 let (at, radius) = (sites.centres()[pillar], sites.body(pillar).radius);
                 let reach = (PAIRS - 1.0) * radius;
                 let known = newton.degree();
-                if let Some(own) = pairs[known].own_block() {
+                if let Some(own) = pairs[known].own_block(radius) {
                     let (known, count) = (mode_count(known), pairs[known].modes().len());
                     add(pillar, &modes_beyond(&own, known, count), known);
                 }

@@ -430,12 +430,12 @@ impl LoadedDiscs<'_> {
             let coefficients = self.discs.coefficients_at(place);
             if differ {
                 let mut own = [LaneJets::default(); 2];
-                exterior.add_jets(offsets, coefficients, &mut own);
+                exterior.add_jets(offsets, radius, coefficients, &mut own);
                 for (sum, own) in sums.iter_mut().zip(&own) {
                     sum.add_scaled(radius, scale, own);
                 }
             } else {
-                exterior.add_jets(offsets, coefficients, &mut sums);
+                exterior.add_jets(offsets, radius, coefficients, &mut sums);
             }
         }
         sums
@@ -451,7 +451,7 @@ impl LoadedDiscs<'_> {
         for place in places {
             let radius = self.discs.radius_at(place);
             let offsets = self.discs.offsets(place, radius.map(f64::recip), position);
-            self.exterior.lane_values(offsets, of_modes);
+            self.exterior.lane_values(offsets, radius, of_modes);
             for (sum, coefficients) in sums.iter_mut().zip(self.discs.coefficients_at(place)) {
                 let mut own = Lanes::default();
                 for (coefficient, value) in coefficients.iter().zip(&*of_modes) {
@@ -556,7 +556,7 @@ impl FloorDisplacement for LoadedDiscs<'_> {
                 let [unit, rest, ..] = forces[disc];
                 return [unit, rest].map(|force| force * of_force.value);
             }
-            self.exterior.values(offset, values);
+            self.exterior.values(offset, radius, values);
             [0, 1].map(|set| {
                 let of_modes = values.iter().enumerate();
                 let sum =

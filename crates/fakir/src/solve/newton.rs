@@ -270,7 +270,7 @@ impl<'a> Newton<'a> {
             kernels: None,
             contact: LinearizedContact::new(run, coupling, pair.modes().len(), own_load),
             tops,
-            exterior: Exterior::new(degree).with_layers(&scene.layers),
+            exterior: Exterior::new(degree).with_layers(&scene.layers, &scene.field.radii()),
             copies,
             floor: FloorSearch::default(),
         }
@@ -725,7 +725,8 @@ impl<'a> Newton<'a> {
             self.tops.sites.centres()[pillar],
             self.tops.sites.body(pillar).radius,
         );
-        exterior.values([0, 1].map(|k| (position[k] - centre[k]) / radius), values);
+        let at = [0, 1].map(|k| (position[k] - centre[k]) / radius);
+        exterior.values(at, radius, values);
         values.iter_mut().for_each(|value| *value /= radius);
     }
 

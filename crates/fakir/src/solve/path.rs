@@ -189,7 +189,7 @@ impl<'a> Path<'a> {
             sites,
             pair,
             projector,
-            exterior: Exterior::new(degree).with_layers(&scene.layers),
+            exterior: Exterior::new(degree).with_layers(&scene.layers, &scene.field.radii()),
             fixed,
             look_again: f64::NEG_INFINITY,
             refined: Refined::default(),

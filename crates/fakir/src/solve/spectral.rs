@@ -23,7 +23,9 @@ pub(crate) fn degrees(accuracy: Accuracy, scene: &Scene) -> Degrees {
     let small_lens = scene.lens.quadratic_radius() < SMALL_LENS;
     let layered = |degree: usize, accurate: usize| {
         // Errors of degree p due to a layer as thick as the diameter are 3e-6 at p = 2; for a layer half as thick they are 2e-5 at p = 4.
-        let diameters = scene.layers.iter().map(|layer| 0.5 * layer.thickness);
+        let [largest, _] = scene.field.bounds();
+        let thicknesses = scene.layers.iter().map(|layer| layer.thickness / largest);
+        let diameters = thicknesses.map(|thickness| 0.5 * thickness);
         match diameters.fold(f64::INFINITY, f64::min) {
             thick if thick >= 1.0 => degree,
             half if half >= 0.5 => degree.max(4 + accurate),

@@ -8,7 +8,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::numerics::vector::{LANES, Lanes};
 use crate::problem::column::Column;
-use crate::problem::pillar_field::{IndexedPillar, ListedPillar};
+use crate::problem::pillar_field::{IndexedPillar, ListedPillar, different};
 use crate::problem::point::turned;
 use crate::problem::scaled::Scene;
 use crate::problem::{Area, Point};
@@ -197,14 +197,15 @@ impl Fields {
         degree: usize,
         close_degree: usize,
     ) -> Self {
+        let radii = different(discs.iter().map(|disc| disc.radius));
         Self {
             disc_of: discs
                 .iter()
                 .enumerate()
                 .map(|(k, disc)| (disc.index, k))
                 .collect(),
-            exterior: Exterior::new(degree).with_layers(&scene.layers),
-            close_exterior: Exterior::new(close_degree).with_layers(&scene.layers),
+            exterior: Exterior::new(degree).with_layers(&scene.layers, &radii),
+            close_exterior: Exterior::new(close_degree).with_layers(&scene.layers, &radii),
             compliance: compliances(close_degree, 0.0),
             covered: OnceLock::new(),
             floor: None,
@@ -282,10 +283,11 @@ impl Fields {
         let lanes = |of_disc: &dyn Fn(&Disc) -> f64, of_none: f64| {
             Lanes(discs.map(|disc| disc.map_or(of_none, of_disc)))
         };
-        let radius = lanes(&|disc| disc.radius, 1.0);
+        let some = discs.iter().flatten().next();
+        let radius = lanes(&|disc| disc.radius, some.map_or(1.0, |disc| disc.radius));
         let scale = radius.map(f64::recip);
         let at = [0, 1].map(|k| lanes(&|disc| position[k] - disc.centre[k], NEAR) * scale);
-        self.exterior.lane_values(at, values);
+        self.exterior.lane_values(at, radius, values);
         let mut sum = Lanes::default();
         for (mode, value) in values.iter().enumerate() {
             let of_mode = |disc: &Disc| disc.coefficients.get(mode).copied().unwrap_or(0.0);
@@ -310,7 +312,8 @@ impl Fields {
                 return of_half_spaces;
             }
             let count = self.close_exterior.count().min(disc.coefficients.len());
-            self.close_exterior.layer_values(count, at, values);
+            self.close_exterior
+                .layer_values(count, at, disc.radius, values);
             return of_half_spaces + dot(&values[..count], &disc.coefficients[..count]);
         }
         let exterior = if is_close(at) {
@@ -318,7 +321,7 @@ impl Fields {
         } else {
             &self.exterior
         };
-        exterior.values_of_first(disc.coefficients.len(), at, values);
+        exterior.values_of_first(disc.coefficients.len(), at, disc.radius, values);
         let count = exterior.count().min(disc.coefficients.len());
         dot(&values[..count], &disc.coefficients[..count])
     }

@@ -531,7 +531,7 @@ impl Convolution {
             let Some([x, y]) = vector else { continue };
             for (values, node) in values.iter_mut().zip(nodes) {
                 let at = [x + node[0], y + node[1]];
-                fields.exterior.values_of_first(modes, at, values);
+                fields.exterior.values_of_first(modes, at, 1.0, values);
             }
             for (mode, kernel) in kernels.iter_mut().enumerate() {
                 kernel[place] = Complex64::new(values[0][mode], values[1][mode]);

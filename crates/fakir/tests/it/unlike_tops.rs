@@ -3,8 +3,8 @@
 
 use crate::common::{INTERMEDIATE, paper_lattice, paper_pillar};
 use fakir::problem::{
-    Adhesion, Arrangement, CyclePlan, Disorder, LatticeForm, Lens, LensShape, ListedPillar, Load,
-    LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
+    Adhesion, Arrangement, CyclePlan, Disorder, LatticeForm, Layer, Lens, LensShape, ListedPillar,
+    Load, LoadingMode, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
     PlaneLattice, Scatter, ShapedLens, System, UnloadingPoint,
 };
 use fakir::state::{ContactState, Cycle, Run};
@@ -482,6 +482,31 @@ fn a_vanishing_scatter_is_none() {
 }
 
 /// Arrays of two diameters under a plate: mirror images pull alike, and the pull-off force does not depend on the drive.
+/// On a film the common diameter, which is the unit of length, has no effect on pillars of another one, and on a very thick layer pillars of
+/// several diameters pull as on a half-space.
+#[test]
+fn tops_on_layers_pull_with_their_own_radius() {
+    let on = |common: f64, thickness: f64, unlike: bool| {
+        let common = Pillar {
+            diameter: common,
+            ..paper_pillar(COLUMN)
+        };
+        let diameter = |number: usize| if unlike && number == 0 { 4e-6 } else { 6e-6 };
+        let pillars = square(2, 12e-6, |number| (common.height, diameter(number)));
+        let system = adhesive(sphere(), common, list(pillars), WORK);
+        let film = (thickness > 0.0).then(|| Layer::new(thickness));
+        let found = cycle(&system.with_layers(film, None).unwrap(), to(0.4e-6));
+        closes(&found);
+        pull_off(&found)
+    };
+    let both = [6e-6, 4e-6].map(|common| on(common, 8e-6, false));
+    assert!((both[0] / both[1] - 1.0).abs() < 1e-8, "{both:?}");
+    let [thick, without] = [1e3, 0.0].map(|thickness| on(6e-6, thickness, true));
+    assert!((thick / without - 1.0).abs() < 1e-7, "{thick} {without}");
+    // A thin film is stiffer: it holds more (K. Kendall, J. Phys. D 4, 1186 (1971)).
+    assert!(on(6e-6, 4e-6, true) < 1.05 * without);
+}
+
 #[test]
 fn arrays_of_two_diameters_pull_alike_however_they_are_driven() {
     let pillars = |side: f64| {

@@ -874,7 +874,7 @@ impl RowWork {
         for column in apart {
             if (row, column) == (0, 0) {
                 // The effect of layers on the pillar itself has no direction.
-                if let Some(own) = pair.own_block() {
+                if let Some(own) = pair.own_block(1.0) {
                     let modes = pair.modes().len();
                     let upper = (0..modes).flat_map(|row| &own[row * modes + row..][..modes - row]);
                     self.block.clear();

@@ -14,8 +14,8 @@ use crate::numerics::workers::Workers;
 pub(crate) struct CouplingChange {
     /// Derivatives with respect to the logarithm of all distances at fixed radii, for the first set of moments.
     pub(crate) by_distance: Vec<f64>,
-    /// Derivatives with respect to the logarithm of the radius of the receiving pillar, for every set. `None` for a hexagonal lattice and
-    /// on layers, where all pillars are alike.
+    /// Derivatives with respect to the logarithm of the radius of the receiving pillar, for every set. `None` for a hexagonal lattice, where
+    /// all pillars are alike, and on layers.
     pub(crate) by_receiver: Option<Vec<Vec<f64>>>,
 }
 

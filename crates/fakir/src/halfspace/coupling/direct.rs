@@ -5,6 +5,7 @@ use crate::numerics::fft::Real;
 use crate::numerics::vector::{LANES, Lanes, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::Point;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Smallest number of pillars whose blocks a thread computes at a time.
@@ -205,8 +206,37 @@ fn bands<R>(rows: &[Row<R>]) -> Vec<(Range<usize>, usize)> {
 /// All pairs: one dense matrix.
 pub(crate) struct DirectCoupling {
     blocks: PairBlocks<f64>,
-    /// The effect of each pillar on itself, by rows; `None` on half-spaces.
-    own: Option<Vec<f64>>,
+    /// The effect of each pillar on itself; `None` on half-spaces.
+    own: Option<OwnBlocks>,
+}
+
+/// The effect of pillars on themselves, for every different radius.
+struct OwnBlocks {
+    /// By rows.
+    blocks: Vec<Vec<f64>>,
+    /// The block of each pillar.
+    of_pillars: Vec<u32>,
+}
+
+impl OwnBlocks {
+    fn new(radii: impl Iterator<Item = f64>, pair: &PairCoupling) -> Option<Self> {
+        let mut blocks = Vec::new();
+        let mut known: HashMap<u64, u32> = HashMap::new();
+        let mut of_pillars = Vec::new();
+        for radius in radii {
+            let place = match known.get(&radius.to_bits()) {
+                Some(place) => *place,
+                None => {
+                    blocks.push(pair.own_block(radius)?);
+                    let place = blocks.len() as u32 - 1;
+                    known.insert(radius.to_bits(), place);
+                    place
+                }
+            };
+            of_pillars.push(place);
+        }
+        Some(Self { blocks, of_pillars })
+    }
 }
 
 impl DirectCoupling {
@@ -224,7 +254,7 @@ impl DirectCoupling {
         };
         Self {
             blocks: PairBlocks::new([count, modes], after, |_| modes, fill, workers),
-            own: pair.own_block(),
+            own: OwnBlocks::new((0..count).map(radius), pair),
         }
     }
 
@@ -238,9 +268,10 @@ impl DirectCoupling {
         far.fill(0.0);
         self.blocks.add(coefficients, far, workers);
         if let Some(own) = &self.own {
-            let modes = own.len().isqrt();
-            let pillars = far.chunks_exact_mut(modes);
-            for (far, coefficients) in pillars.zip(coefficients.chunks_exact(modes)) {
+            let modes = self.blocks.modes;
+            let pillars = far.chunks_exact_mut(modes).zip(&own.of_pillars);
+            for ((far, block), coefficients) in pillars.zip(coefficients.chunks_exact(modes)) {
+                let own = &own.blocks[*block as usize];
                 for (far, row) in far.iter_mut().zip(own.chunks_exact(modes)) {
                     *far += row
                         .iter()

@@ -16,8 +16,9 @@
 //!
 //! For pillars of equal radius, this radius is the unit of length, and the moments are the coefficients.
 //!
-//! If bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added; this is supported for pillars of equal
-//! radius only. The correction is smooth, so that it also acts between a pillar and itself, at the distance 0.
+//! If bodies are [layers](crate::halfspace::layer), `(Phi(k) - 1)` times the integrand is added. The correction is smooth, so that it also
+//! acts between a pillar and itself, at the distance 0. It is tabulated as a function of the distance for every two radii, or integrated for
+//! every two pillars if nearly all of them differ.
 
 use crate::halfspace::disc::basis::{
     Mode, UNIT_FORCE, equator_value, gamma_degree, mode_count, modes,
@@ -30,7 +31,7 @@ use crate::numerics::vector::widest;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::scaled::Scene;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Relative size of the terms at which the series is truncated.
 pub(super) const SERIES_TOLERANCE: f64 = 1e-17;
@@ -42,6 +43,10 @@ const SERIES_LIMIT: usize = 20_000;
 /// Number of terms that all series of a pair sum together, with coefficients from a table: sufficient for gaps of a seventh of the radius.
 /// Series that have not converged by then are continued separately.
 const TABLE: usize = 256;
+
+/// Number of pillars per radius from which on the corrections for layers are tabulated: a table takes as long as some tens of integrals for
+/// each of a few intervals of the distance.
+const TABULATED: f64 = 8.0;
 
 /// Number of steps between convergence checks.
 const STRIDE: usize = 4;
@@ -264,10 +269,85 @@ pub(crate) struct PairCoupling {
     /// Radial function for pillars that act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
     /// Correction of every series for layers; `None` on half-spaces.
-    layers: Option<Arc<RadialTable>>,
+    layers: Option<Arc<PairTables>>,
     part: Part,
     /// Entries with source index >= receiver index, by rows.
     entries: Vec<Entry>,
+}
+
+/// Corrections of every series for layers, for every receiver and source.
+#[derive(Debug)]
+struct PairTables {
+    layers: Vec<WeightedLayer>,
+    parts: Arc<[RadialPart]>,
+    /// The radii, in increasing order.
+    radii: Vec<f64>,
+    /// For every receiver and source; none if there are too many radii.
+    tables: Vec<OnceLock<RadialTable>>,
+}
+
+impl PairTables {
+    fn new(
+        layers: &[WeightedLayer],
+        parts: Vec<RadialPart>,
+        radii: &[f64],
+        tabulated: bool,
+    ) -> Self {
+        let tables = if tabulated {
+            radii.len() * radii.len()
+        } else {
+            0
+        };
+        Self {
+            layers: layers.to_vec(),
+            parts: parts.into(),
+            radii: radii.to_vec(),
+            tables: (0..tables).map(|_| OnceLock::new()).collect(),
+        }
+    }
+
+    /// A table without evaluated intervals.
+    fn empty_table(&self, radii: [f64; 2]) -> RadialTable {
+        RadialTable::of_radii(&self.layers, &self.parts, radii)
+    }
+
+    /// The table for these radii; `None` without one.
+    fn table(&self, radii: [f64; 2]) -> Option<&RadialTable> {
+        let find = |radius: f64| {
+            self.radii
+                .binary_search_by(|known| known.total_cmp(&radius))
+        };
+        let [Ok(receiver), Ok(source)] = radii.map(find) else {
+            return None;
+        };
+        let table = self.tables.get(receiver * self.radii.len() + source)?;
+        Some(table.get_or_init(|| self.empty_table(radii)))
+    }
+
+    fn values(&self, discs: Discs, values: &mut [f64]) {
+        let radii = [discs.receiver, discs.source];
+        match self.table(radii) {
+            Some(table) => table.values(discs.distance, values),
+            None => {
+                let integrals = self.empty_table(radii).integrals_at(discs.distance);
+                values.copy_from_slice(&integrals);
+            }
+        }
+    }
+
+    /// The derivatives with respect to the logarithm of the distance.
+    fn by_distance(&self, discs: Discs, values: &mut [f64]) {
+        let radii = [discs.receiver, discs.source];
+        let [mut value, mut second] = [0; 2].map(|_| vec![0.0; values.len()]);
+        let jets = [&mut value[..], &mut *values, &mut second];
+        match self.table(radii) {
+            Some(table) => table.jets(discs.distance, jets),
+            None => self.empty_table(radii).jets(discs.distance, jets),
+        }
+        for value in values {
+            *value *= discs.distance;
+        }
+    }
 }
 
 /// The part of the coupling that is evaluated.
@@ -319,7 +399,14 @@ impl PairCoupling {
 
     /// The coupling of the pillars of a scene, with layers if there are any.
     pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
-        Self::new(degree, scene.field.spacing()).with_layers(&scene.layers)
+        let pair = Self::new(degree, scene.field.spacing());
+        if scene.layers.is_empty() {
+            return pair;
+        }
+        let radii = scene.field.radii();
+        let pillars = scene.field.expected_len(f64::INFINITY);
+        let tabulated = radii.len() == 1 || TABULATED * radii.len() as f64 <= pillars;
+        pair.on_layers(&scene.layers, &radii, tabulated)
     }
 
     /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre of the receiving pillar instead of its
@@ -331,8 +418,14 @@ impl PairCoupling {
         }
     }
 
-    /// The same on layers, given in units of the pillar radius.
+    /// The same for pillars of unit radius on layers.
     pub(crate) fn with_layers(&self, layers: &[WeightedLayer]) -> Self {
+        self.on_layers(layers, &[1.0], true)
+    }
+
+    /// The same on layers, for pillars of these radii in increasing order; with tables of the corrections for every two radii, or with
+    /// integrals for every two pillars.
+    fn on_layers(&self, layers: &[WeightedLayer], radii: &[f64], tabulated: bool) -> Self {
         if layers.is_empty() {
             return self.clone();
         }
@@ -366,7 +459,7 @@ impl PairCoupling {
             }
         }
         Self {
-            layers: Some(Arc::new(RadialTable::new(layers, parts))),
+            layers: Some(Arc::new(PairTables::new(layers, parts, radii, tabulated))),
             ..self.clone()
         }
     }
@@ -376,14 +469,19 @@ impl PairCoupling {
         self.layers.is_some()
     }
 
-    /// The effect of a pillar on itself due to layers, by rows.
-    pub(crate) fn own_block(&self) -> Option<Vec<f64>> {
+    /// The effect of a pillar of this radius on itself due to layers, by rows.
+    pub(crate) fn own_block(&self, radius: f64) -> Option<Vec<f64>> {
         let layers = self.layers.as_ref()?;
         if self.part == Part::ByDistance {
             return None;
         }
+        let discs = Discs {
+            receiver: radius,
+            source: radius,
+            distance: 0.0,
+        };
         let mut radial = vec![0.0; self.radial_count()];
-        layers.values(0.0, &mut radial);
+        layers.values(discs, &mut radial);
         let mut block = vec![0.0; self.modes.len() * self.modes.len()];
         self.fill_block([&radial; 2], [1.0, 0.0], &mut block);
         Some(block)
@@ -399,9 +497,13 @@ impl PairCoupling {
 
     /// The correction for layers without the half-spaces: for [changes](WeightedLayer::change) of layers.
     pub(crate) fn of_layers_alone(&self, layers: &[WeightedLayer]) -> Self {
+        let present = self.layers.as_deref();
+        let (radii, tabulated) = present.map_or((&[1.0][..], true), |tables| {
+            (&tables.radii, !tables.tables.is_empty())
+        });
         Self {
             part: Part::Layers,
-            ..self.with_layers(layers)
+            ..self.on_layers(layers, radii, tabulated)
         }
     }
 
@@ -456,13 +558,9 @@ impl PairCoupling {
         if let Some(layers) = &self.layers {
             let mut more = vec![0.0; radial.len()];
             if self.part == Part::ByDistance {
-                let [mut value, mut second] = [0; 2].map(|_| vec![0.0; radial.len()]);
-                layers.jets(discs.distance, [&mut value, &mut more, &mut second]);
-                for more in &mut more {
-                    *more *= discs.distance;
-                }
+                layers.by_distance(discs, &mut more);
             } else {
-                layers.values(discs.distance, &mut more);
+                layers.values(discs, &mut more);
             }
             for (value, more) in radial.iter_mut().zip(more) {
                 *value += more;
@@ -509,7 +607,7 @@ impl PairCoupling {
         self.fill_block([&radial, exchanged], direction, block);
     }
 
-    /// The derivatives of this block with respect to the logarithm of the distance, and to that of the receiver's radius.
+    /// The derivatives of this block with respect to the logarithm of the distance, and to that of the receiver's radius, on half-spaces.
     pub(crate) fn block_derivatives(
         &self,
         [x, y]: [f64; 2],
@@ -670,7 +768,7 @@ mod tests {
             let found = if distance > 0.0 {
                 radial(&layered) - radial(&half_spaces)
             } else {
-                layered.own_block().unwrap()[0]
+                layered.own_block(1.0).unwrap()[0]
             };
             let tolerance = 1e-12 + 1e-12 * value.abs();
             assert!(
@@ -682,7 +780,7 @@ mod tests {
     }
 
     #[test]
-    fn a_layer_with_itself_by_double_quadrature() {
+    fn discs_on_a_layer_by_double_quadrature() {
         // The far displacement of the layer between all points of two discs, and of one disc with itself.
         let degree = 4;
         let count = mode_count(degree);
@@ -712,12 +810,23 @@ mod tests {
                 + d * (x + 1.0) * x * (x - 1.0) / 6.0
         };
         let pair = PairCoupling::new(degree, 4.0);
-        let layered = pair.with_layers(&[film]);
-        for offset in [[0.0, 0.0], [1.6, 1.4]] {
+        let unlike = [0.6, 0.9, 1.3];
+        let tabulated = pair.on_layers(&[film], &unlike, true);
+        let integrated = pair.on_layers(&[film], &unlike, false);
+        let alike = pair.with_layers(&[film]);
+        for (layered, offset, [a, b]) in [
+            (&alike, [0.0, 0.0], [1.0; 2]),
+            (&alike, [1.6, 1.4], [1.0; 2]),
+            (&tabulated, [0.0, 0.0], [0.6; 2]),
+            (&tabulated, [1.5, 1.2], [0.6, 1.3]),
+            (&integrated, [-1.2, 1.5], [1.3, 0.6]),
+            (&integrated, [0.0, 0.0], [1.3; 2]),
+        ] {
             let mut expected = vec![0.0; count * count];
             for (to, weight, receiver) in &rule {
                 for (from, of_source, source) in &rule {
-                    let distance = (to[0] + offset[0] - from[0]).hypot(to[1] + offset[1] - from[1]);
+                    let distance = (a * to[0] + offset[0] - b * from[0])
+                        .hypot(a * to[1] + offset[1] - b * from[1]);
                     let value = weight * of_source * at(distance) / PI;
                     for (row, y) in receiver.iter().enumerate() {
                         for (column, x) in source.iter().enumerate() {
@@ -727,11 +836,11 @@ mod tests {
                 }
             }
             let found = if offset == [0.0, 0.0] {
-                layered.own_block().unwrap()
+                layered.own_block(a).unwrap()
             } else {
-                let blocks = [&layered, &pair].map(|pair| {
+                let blocks = [layered, &pair].map(|pair| {
                     let mut block = vec![0.0; count * count];
-                    pair.block(offset, &mut block);
+                    pair.block_of(offset, [a, b], &mut block);
                     block
                 });
                 blocks[0]
@@ -746,6 +855,50 @@ mod tests {
                     "entry {k}: {found} {expected}"
                 );
             }
+        }
+    }
+
+    /// Tables and integrals are the same functions, also as derivatives with respect to the distance.
+    #[test]
+    fn tables_are_integrals() {
+        let degree = 4;
+        let count = mode_count(degree);
+        let pair = PairCoupling::new(degree, 4.0);
+        let [tables, integrals] =
+            [true, false].map(|tabulated| pair.on_layers(&[film()], &[0.4, 1.0], tabulated));
+        for offset in [[1.9, 0.4], [-30.0, 17.0]] {
+            for part in [Part::Whole, Part::ByDistance] {
+                let [table, integral] = [&tables, &integrals].map(|pair| {
+                    let mut block = vec![0.0; count * count];
+                    let pair = PairCoupling {
+                        part,
+                        ..pair.clone()
+                    };
+                    pair.block_of(offset, [0.4, 1.0], &mut block);
+                    block
+                });
+                for (table, integral) in table.iter().zip(&integral) {
+                    assert!((table - integral).abs() < 2e-14, "{table} {integral}");
+                }
+            }
+        }
+    }
+
+    /// Far discs are point forces with the second moment of a flat punch, `2/3 a^2`, on the layer's Green's function.
+    #[test]
+    fn far_discs_on_a_layer_are_forces() {
+        let film = film();
+        let around = crate::halfspace::layer::force::AroundForce::at_point(&[film]).unwrap();
+        let pair = PairCoupling::new(0, 4.0).on_layers(&[film], &[0.4, 1.2], true);
+        for distance in [8.0, 20.0] {
+            let [value, laplacian] = around.value_and_laplacian(distance);
+            let of_size = (0.4_f64.powi(2) + 1.2_f64.powi(2)) / 6.0;
+            let expected = distance.recip() + value + of_size * (distance.powi(-3) + laplacian);
+            let mut block = [0.0];
+            pair.block_of([distance, 0.0], [0.4, 1.2], &mut block);
+            let found = block[0] * PI / (UNIT_FORCE * UNIT_FORCE);
+            let error = (found - expected).abs() * distance;
+            assert!(error < 3.0 * distance.powi(-4), "{distance}: {error:e}");
         }
     }
 
@@ -829,19 +982,28 @@ mod tests {
         let degree = 3;
         let count = mode_count(degree);
         let pair = PairCoupling::new(degree, 4.0);
-        let block = |offset: [f64; 2], radii: [f64; 2]| {
+        let block = |pair: &PairCoupling, offset: [f64; 2], radii: [f64; 2]| {
             let mut block = vec![0.0; count * count];
             pair.block_of(offset, radii, &mut block);
             block
         };
-        let there = block([1.4, -0.6], [0.9, 0.4]);
-        let back = block([-1.4, 0.6], [0.4, 0.9]);
-        let scaled = block([3.5, -1.5], [2.25, 1.0]);
-        for i in 0..count {
-            for j in 0..count {
-                let value = there[i * count + j];
-                assert!((value - back[j * count + i]).abs() < 1e-15);
-                assert!((value - 2.5 * scaled[i * count + j]).abs() < 1e-14);
+        let film = film();
+        let thicker = WeightedLayer {
+            thickness: 2.5 * film.thickness,
+            ..film
+        };
+        let layered = |film, radii: [f64; 2]| pair.on_layers(&[film], &radii, true);
+        let on_layers = [layered(film, [0.4, 0.9]), layered(thicker, [1.0, 2.25])];
+        for [pair, larger] in [[&pair, &pair], [&on_layers[0], &on_layers[1]]] {
+            let there = block(pair, [1.4, -0.6], [0.9, 0.4]);
+            let back = block(pair, [-1.4, 0.6], [0.4, 0.9]);
+            let scaled = block(larger, [3.5, -1.5], [2.25, 1.0]);
+            for i in 0..count {
+                for j in 0..count {
+                    let value = there[i * count + j];
+                    assert!((value - back[j * count + i]).abs() < 1e-15);
+                    assert!((value - 2.5 * scaled[i * count + j]).abs() < 1e-14);
+                }
             }
         }
     }

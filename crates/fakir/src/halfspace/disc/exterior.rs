@@ -247,8 +247,23 @@ pub(crate) struct Exterior {
 /// Corrections for layers.
 #[derive(Debug)]
 struct OnLayers {
-    radial: RadialTable,
+    /// The radii of the discs in increasing order, and a table of the corrections for each of them.
+    radii: Vec<f64>,
+    tables: Vec<RadialTable>,
     force: AroundForce,
+}
+
+impl OnLayers {
+    /// The table for discs of a radius.
+    #[inline(always)]
+    fn table(&self, radius: f64) -> &RadialTable {
+        if let [only] = &self.tables[..] {
+            return only;
+        }
+        let place = self.radii.partition_point(|known| *known < radius);
+        debug_assert_eq!(self.radii.get(place), Some(&radius));
+        &self.tables[place.min(self.tables.len() - 1)]
+    }
 }
 
 /// Highest degree for which derivatives are evaluated.
@@ -277,9 +292,9 @@ impl Exterior {
         }
     }
 
-    /// The same on layers, given in units of the disc radius.
-    pub(crate) fn with_layers(self, layers: &[WeightedLayer]) -> Self {
-        let Some(force) = AroundForce::at_point(layers) else {
+    /// The same on layers, for discs of these different radii in increasing order, in the unit of length of the layers.
+    pub(crate) fn with_layers(self, layers: &[WeightedLayer], radii: &[f64]) -> Self {
+        let Some(force) = AroundForce::at_point(layers).filter(|_| !radii.is_empty()) else {
             return self;
         };
         let of_mode = |mode: &Mode| {
@@ -294,8 +309,14 @@ impl Exterior {
             }
         };
         let parts = self.modes.iter().filter(|mode| !mode.sine).map(of_mode);
+        let parts: Arc<[RadialPart]> = parts.collect();
+        let table = |radius: &f64| {
+            let own = WeightedLayer::in_unit(layers, *radius);
+            RadialTable::of_radii(&own, &parts, [1.0; 2])
+        };
         let layers = OnLayers {
-            radial: RadialTable::new(layers, parts.collect()),
+            tables: radii.iter().map(table).collect(),
+            radii: radii.to_vec(),
             force,
         };
         Self {
@@ -315,11 +336,13 @@ impl Exterior {
     }
 
     /// Adds to `sums` the displacement at [`LANES`] points (in pillar radii from the centres of as many discs, and outside of these) for
-    /// two sets of coefficients at once. Supports degrees up to [`MAXIMUM_DEGREE`].
+    /// two sets of coefficients at once. The radii are those of the discs, which matter on layers. Supports degrees up to
+    /// [`MAXIMUM_DEGREE`].
     #[inline(always)]
     pub(crate) fn add_jets(
         &self,
         [x, y]: [Lanes; 2],
+        radii: Lanes,
         coefficients: [&[Lanes]; 2],
         sums: &mut [LaneJets; 2],
     ) {
@@ -337,24 +360,27 @@ impl Exterior {
         }
         let (mut few, mut many);
         let mut of_layers: &mut [[Lanes; 3]] = &mut [];
-        if let Some(OnLayers { radial: layers, .. }) = self.layers.as_deref() {
+        if let Some(layers) = self.layers.as_deref() {
+            let count = self.radial.len();
             let is_loaded = |lane: usize| {
                 let mut of_disc = coefficients.iter().copied().flatten();
                 of_disc.any(|c| c.0[lane] != 0.0)
             };
             let lanes = (0..LANES).filter(|lane| is_loaded(*lane));
             let places = lanes.map(|lane| (lane, inverse_square.0[lane].sqrt().recip()));
-            if layers.count() <= FEW_RADIAL {
+            if count <= FEW_RADIAL {
                 few = [[Lanes::default(); 3]; FEW_RADIAL];
-                of_layers = &mut few[..layers.count()];
+                of_layers = &mut few[..count];
                 for place in places {
-                    add_layer_jets::<FEW_RADIAL>(layers, place, of_layers);
+                    let table = layers.table(radii.0[place.0]);
+                    add_layer_jets::<FEW_RADIAL>(table, place, of_layers);
                 }
             } else {
                 many = [[Lanes::default(); 3]; MOST_RADIAL];
-                of_layers = &mut many[..layers.count()];
+                of_layers = &mut many[..count];
                 for place in places {
-                    add_layer_jets::<MOST_RADIAL>(layers, place, of_layers);
+                    let table = layers.table(radii.0[place.0]);
+                    add_layer_jets::<MOST_RADIAL>(table, place, of_layers);
                 }
             }
         }
@@ -383,27 +409,26 @@ impl Exterior {
         }
     }
 
-    /// Displacement of the first modes, as many as `values`, at [`LANES`] points.
+    /// Displacement of the first modes, as many as `values`, at [`LANES`] points, due to discs of these radii.
     #[inline(always)]
-    pub(crate) fn lane_values(&self, [x, y]: [Lanes; 2], values: &mut [Lanes]) {
+    pub(crate) fn lane_values(&self, [x, y]: [Lanes; 2], radii: Lanes, values: &mut [Lanes]) {
         let inverse_square = (x * x + y * y).map(f64::recip);
         let inverse_distance = inverse_square.map(f64::sqrt);
         let mut radial = Lanes::default();
         let mut harmonic = [Lanes::default(); 2];
-        let of_layers = self
-            .layers
-            .as_deref()
-            .map(|OnLayers { radial: layers, .. }| {
-                let mut of_layers = [Lanes::default(); MOST_RADIAL];
-                let mut values = [0.0; MOST_RADIAL];
-                for lane in 0..LANES {
-                    layers.values(inverse_distance.0[lane].recip(), &mut values);
-                    for (lanes, value) in of_layers[..layers.count()].iter_mut().zip(values) {
-                        lanes.0[lane] = value;
-                    }
+        let of_layers = self.layers.as_deref().map(|layers| {
+            let count = self.radial.len();
+            let mut of_layers = [Lanes::default(); MOST_RADIAL];
+            let mut values = [0.0; MOST_RADIAL];
+            for lane in 0..LANES {
+                let table = layers.table(radii.0[lane]);
+                table.values(inverse_distance.0[lane].recip(), &mut values);
+                for (lanes, value) in of_layers[..count].iter_mut().zip(values) {
+                    lanes.0[lane] = value;
                 }
-                of_layers
-            });
+            }
+            of_layers
+        });
         let modes = self.modes.iter().zip(&self.radial_of);
         for (value, (mode, &which)) in values.iter_mut().zip(modes) {
             if !mode.sine {
@@ -421,21 +446,28 @@ impl Exterior {
         }
     }
 
-    /// Computes the displacement of every mode at `point` into `values`.
-    pub(crate) fn values(&self, point: [f64; 2], values: &mut [f64]) {
-        self.values_of_first(self.modes.len(), point, values);
+    /// Computes the displacement of every mode at `point`, in units of the radius of the disc, into `values`.
+    pub(crate) fn values(&self, point: [f64; 2], radius: f64, values: &mut [f64]) {
+        self.values_of_first(self.modes.len(), point, radius, values);
     }
 
     /// [`Self::values`] for at most the first `count` modes.
-    pub(crate) fn values_of_first(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
+    pub(crate) fn values_of_first(
+        &self,
+        count: usize,
+        point: [f64; 2],
+        radius: f64,
+        values: &mut [f64],
+    ) {
         let square = point[0] * point[0] + point[1] * point[1];
         let inverse_distance = square.sqrt().recip();
-        self.fill_values(count, point, values, |radial| {
+        self.fill_values(count, point, radius, values, |radial| {
             radial.value(inverse_distance)
         });
     }
 
-    /// The displacement due to a unit point force, at an offset from it: `1/(pi r)` and the correction for layers.
+    /// The displacement due to a unit point force, at an offset from it in the unit of length of the layers: `1/(pi r)` and the correction
+    /// for layers.
     pub(crate) fn of_force(&self, [x, y]: [f64; 2]) -> FieldJet {
         let square = (x * x + y * y).recip();
         let value = square.sqrt() / PI;
@@ -453,25 +485,33 @@ impl Exterior {
     }
 
     /// Corrections for layers of the first modes at any point, also inside the disc: zero on half-spaces.
-    pub(crate) fn layer_values(&self, count: usize, point: [f64; 2], values: &mut [f64]) {
+    pub(crate) fn layer_values(
+        &self,
+        count: usize,
+        point: [f64; 2],
+        radius: f64,
+        values: &mut [f64],
+    ) {
         let values = &mut values[..count.min(self.modes.len())];
         if self.layers.is_none() {
             values.fill(0.0);
             return;
         }
-        self.fill_values(count, point, values, |_| 0.0);
+        self.fill_values(count, point, radius, values, |_| 0.0);
     }
 
     fn fill_values(
         &self,
         count: usize,
         point: [f64; 2],
+        radius: f64,
         values: &mut [f64],
         of_half_spaces: impl Fn(&RadialFunction) -> f64,
     ) {
         let of_layers = self.layers.as_deref().map(|layers| {
-            let mut values = vec![0.0; layers.radial.count()];
-            layers.radial.values(point[0].hypot(point[1]), &mut values);
+            let mut values = vec![0.0; self.radial.len()];
+            let distance = point[0].hypot(point[1]);
+            layers.table(radius).values(distance, &mut values);
             values
         });
         let mut radial = 0.0;
@@ -612,11 +652,11 @@ mod tests {
     #[test]
     fn layers_add_what_the_table_has() {
         use crate::halfspace::layer::tests::{film, modes_of, rows};
-        let exterior = Exterior::new(2).with_layers(&[film()]);
+        let exterior = Exterior::new(2).with_layers(&[film()], &[1.0]);
         for (case, value) in rows("Delta W") {
             let (wanted, distance) = modes_of(&case);
             let mut values = vec![0.0; exterior.count()];
-            exterior.layer_values(usize::MAX, [distance / 3.0, 0.0], &mut values);
+            exterior.layer_values(usize::MAX, [distance / 3.0, 0.0], 1.0, &mut values);
             let is_it = |mode: &Mode| (mode.degree, mode.order) == wanted[0] && !mode.sine;
             let which = exterior.modes.iter().position(is_it).unwrap();
             let angular = if wanted[0].1 == 0 { 1.0 } else { SQRT_2 };
@@ -634,7 +674,7 @@ mod tests {
     #[test]
     fn layers_have_their_derivatives() {
         let film = crate::halfspace::layer::tests::film();
-        let exterior = Exterior::new(4).with_layers(&[film]);
+        let exterior = Exterior::new(4).with_layers(&[film], &[1.0]);
         let count = exterior.count();
         let step = 1e-4;
         for point in [[1.3, 0.4], [-2.1, 3.3], [8.0, -5.0], [30.0, 2.0]] {
@@ -642,16 +682,21 @@ mod tests {
             let at = |dx: f64, dy: f64| {
                 let mut sums = [LaneJets::default(); 2];
                 let [x, y] = [point[0] + dx, point[1] + dy].map(Lanes::splat);
-                exterior.add_jets([x, y], [&of_first(&coefficients); 2], &mut sums);
+                exterior.add_jets(
+                    [x, y],
+                    Lanes::splat(1.0),
+                    [&of_first(&coefficients); 2],
+                    &mut sums,
+                );
                 sums[0].sum()
             };
             let jet = at(0.0, 0.0);
             let mut values = vec![0.0; count];
-            exterior.values(point, &mut values);
+            exterior.values(point, 1.0, &mut values);
             let value: f64 = values.iter().zip(&coefficients).map(|(w, c)| w * c).sum();
             assert!((jet.value - value).abs() < 1e-13, "{} {value}", jet.value);
             let mut lanes = vec![Lanes::default(); count];
-            exterior.lane_values(point.map(Lanes::splat), &mut lanes);
+            exterior.lane_values(point.map(Lanes::splat), Lanes::splat(1.0), &mut lanes);
             for (lane, value) in lanes.iter().zip(&values) {
                 assert!((lane.0[0] - value).abs() < 1e-13);
             }
@@ -698,7 +743,7 @@ mod tests {
                 }
             }
             let mut found = vec![0.0; count];
-            exterior.values(point, &mut found);
+            exterior.values(point, 1.0, &mut found);
             for (index, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 assert!(
                     (found - expected).abs() < 1e-13,
@@ -717,7 +762,7 @@ mod tests {
         let count = mode_count(degree);
         let (mut outside, mut inside) = (vec![0.0; count], vec![0.0; count]);
         let direction = [0.6_f64, 0.8];
-        exterior.values(direction, &mut outside);
+        exterior.values(direction, 1.0, &mut outside);
         basis.evaluate_polar(0.0, 1.0, direction, &mut inside);
         for ((outside, inside), mode) in outside.iter().zip(&inside).zip(modes(degree)) {
             let expected = inside * super::super::basis::eigenvalue(mode.degree, mode.order);
@@ -748,12 +793,12 @@ mod tests {
                     let mut sums = [LaneJets::default(); 2];
                     let x = Lanes([point[0] + dx, 1.01, 30.0, -2.0]);
                     let y = Lanes([point[1] + dy, 0.0, 4.0, 3.0]);
-                    exterior.add_jets([x, y], [&of_first(&unit); 2], &mut sums);
+                    exterior.add_jets([x, y], Lanes::splat(1.0), [&of_first(&unit); 2], &mut sums);
                     sums[0].sum()
                 };
                 let jet = at(0.0, 0.0);
                 let mut values = vec![0.0; count];
-                exterior.values(point, &mut values);
+                exterior.values(point, 1.0, &mut values);
                 assert!((jet.value - values[which]).abs() < 1e-14);
                 let scale = 1e-4 * (jet.value.abs() + 1e-3);
                 let dx = (at(step, 0.0).value - at(-step, 0.0).value) / (2.0 * step);

@@ -22,11 +22,6 @@ impl CellPotential {
         }
     }
 
-    /// Correction for layers around a unit force on a cell.
-    pub(super) fn layers(&self) -> Option<&AroundForce> {
-        self.layers.as_ref()
-    }
-
     /// The potential at a position relative to the centre of the cell.
     pub(crate) fn at(&self, [x, y]: Point) -> f64 {
         let potential = self.rectangle.potential(x, y);

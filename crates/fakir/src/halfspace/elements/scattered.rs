@@ -12,7 +12,9 @@
 use super::lattice::LatticeOfGrids;
 use super::operator::Operator;
 use super::potential::CellPotential;
+use crate::halfspace::layer::force::AroundForce;
 use crate::problem::layer::WeightedLayer;
+use crate::problem::pillar_field::different;
 use crate::problem::{Cells, Point};
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -273,12 +275,16 @@ type Transfer = [[f64; NODES]; NODES];
 pub(crate) struct ScatteredGrids {
     interactions: Interactions,
     scales: Vec<f64>,
-    /// A grid of scale 1.
-    alone: LatticeOfGrids<'static>,
+    /// On half-spaces, a grid of scale 1; on layers, one for every different scale, in units of that scale.
+    patterns: Vec<Pattern>,
+    /// The pattern of every grid.
+    pattern_of: Vec<usize>,
     /// Displacement divided by the sums, which are those of force divided by the area of a cell of scale 1 times `1/r`.
     factor: f64,
-    /// Potential of a cell of scale 1. On layers, all grids have this scale.
-    potential: CellPotential,
+    /// Area of a cell of scale 1.
+    unit_area: f64,
+    /// Correction for layers around a unit force on a cell of scale 1; `None` on half-spaces.
+    layers: Option<AroundForce>,
     /// Cell area `A` of each grid divided by 48: the second moment of a square adds `A r^-3/24` to `r^-1`, half of it on either side.
     areas: Vec<f64>,
     /// Interaction of the cells of near parts, pair by pair.
@@ -293,9 +299,27 @@ pub(crate) struct ScatteredGrids {
     sorted: [Vec<f64>; 2],
 }
 
+/// One of the grids alone.
+struct Pattern {
+    alone: LatticeOfGrids<'static>,
+    /// Potential of a cell.
+    potential: CellPotential,
+}
+
+impl Pattern {
+    /// With layers in the unit of length of the cells.
+    fn new(cells: &Cells, compliance: f64, layers: &[WeightedLayer]) -> Self {
+        let (places, vectors) = (vec![(0, 0)], [[0.0; 2]; 2]);
+        Self {
+            alone: LatticeOfGrids::on_layers(cells, places, vectors, compliance, layers, None),
+            potential: CellPotential::new(cells.grid().cell(), layers),
+        }
+    }
+}
+
 impl ScatteredGrids {
     /// Copies of `cells` (around the origin) at all positions, on a half-space with the given `compliance` in 1/Pa or on layers, in the
-    /// unit of length of the cells; on layers all grids must have scale 1.
+    /// unit of length of the cells.
     pub(crate) fn new(
         cells: &Cells,
         grids: &[PlacedGrid],
@@ -303,15 +327,27 @@ impl ScatteredGrids {
         compliance: f64,
         layers: &[WeightedLayer],
     ) -> Self {
-        let alone = (vec![(0, 0)], [[0.0; 2]; 2]);
         let area = cells.grid().cell_area();
         let scales: Vec<f64> = grids.iter().map(|(_, scale)| *scale).collect();
         let count = interactions.points.len();
         let parts = interactions.parts.len();
+        let units = if layers.is_empty() {
+            vec![1.0]
+        } else {
+            different(scales.iter().copied())
+        };
+        let pattern = |unit: &f64| {
+            let layers = WeightedLayer::in_unit(layers, *unit);
+            Pattern::new(cells, compliance, &layers)
+        };
+        let place = |scale: &f64| units.partition_point(|unit| unit < scale);
+        let pattern_of = scales.iter().map(|scale| place(scale).min(units.len() - 1));
         let mut operator = Self {
-            alone: LatticeOfGrids::on_layers(cells, alone.0, alone.1, compliance, layers, None),
-            potential: CellPotential::new(cells.grid().cell(), layers),
+            patterns: units.iter().map(pattern).collect(),
+            pattern_of: pattern_of.collect(),
+            layers: AroundForce::on_cell(layers, cells.grid().cell()),
             factor: compliance / PI * area,
+            unit_area: area,
             areas: scales
                 .iter()
                 .map(|scale| area * scale * scale / 48.0)
@@ -335,7 +371,6 @@ impl ScatteredGrids {
     }
 
     fn fill_near(&mut self, area: f64) {
-        let potential = &self.potential;
         let Interactions {
             near,
             parts,
@@ -343,15 +378,17 @@ impl ScatteredGrids {
             points,
             ..
         } = &self.interactions;
-        let of_size =
-            |scale: f64, x: f64, y: f64| potential.at([x / scale, y / scale]) / (area * scale);
+        let of_size = |grid: usize, x: f64, y: f64| {
+            let (scale, pattern) = (self.scales[grid], &self.patterns[self.pattern_of[grid]]);
+            pattern.potential.at([x / scale, y / scale]) / (area * scale)
+        };
         let mut influence = Vec::new();
         for [one, other] in near {
             for a in &order[parts[*one].cells.clone()] {
                 for b in &order[parts[*other].cells.clone()] {
                     let [from, to] = [a, b].map(|unknown| points[*unknown as usize]);
                     let (x, y) = (from[0] - to[0], from[1] - to[1]);
-                    let [a, b] = [a, b].map(|unknown| self.scales[self.grid_of(*unknown)]);
+                    let [a, b] = [a, b].map(|unknown| self.grid_of(*unknown));
                     influence.push(0.5 * (of_size(a, x, y) + of_size(b, x, y)));
                 }
             }
@@ -423,7 +460,10 @@ impl ScatteredGrids {
             *potentials = NO_VALUES;
         }
         let parts = &self.interactions.parts;
-        let layers = self.potential.layers();
+        let layers = self.layers.as_ref();
+        // The correction is a mean over a cell of scale 1. Cells of other sizes differ by the Laplacian times the second moment.
+        let differ = self.scales.iter().any(|scale| *scale != 1.0);
+        let unit_size = self.unit_area / 24.0;
         for [one, other] in &self.interactions.far {
             let [[ax, ay], [bx, by]] = [one, other].map(|part| parts[*part].nodes());
             let (of_a, of_b) = (&self.charges[*one], &self.charges[*other]);
@@ -437,9 +477,15 @@ impl ScatteredGrids {
                     let (u, v) = (x - bx[t / NODES], y - by[t % NODES]);
                     let square = (u * u + v * v).recip();
                     let mut inverse = square.sqrt();
-                    let cubed = inverse * square;
+                    let mut cubed = inverse * square;
                     if let Some(layers) = layers {
-                        inverse += layers.value(u.hypot(v));
+                        if differ {
+                            let [value, laplacian] = layers.value_and_laplacian(u.hypot(v));
+                            inverse += value - unit_size * laplacian;
+                            cubed += laplacian;
+                        } else {
+                            inverse += layers.value(u.hypot(v));
+                        }
                     }
                     sums[0] += of_b[0][t] * inverse + of_b[1][t] * cubed;
                     sums[1] += of_b[0][t] * cubed;
@@ -566,8 +612,9 @@ impl Operator for ScatteredGrids {
         let grids = pressure
             .chunks_exact(per_grid)
             .zip(displacement.chunks_exact_mut(per_grid));
-        for ((pressure, displacement), scale) in grids.zip(&self.scales) {
-            self.alone.apply(pressure, displacement);
+        let own = self.scales.iter().zip(&self.pattern_of);
+        for ((pressure, displacement), (scale, pattern)) in grids.zip(own) {
+            self.patterns[*pattern].alone.apply(pressure, displacement);
             displacement.iter_mut().for_each(|value| *value /= scale);
         }
         for (sum, unknown) in self.sorted[1].iter().zip(&self.interactions.order) {
@@ -577,8 +624,18 @@ impl Operator for ScatteredGrids {
 
     /// Preconditioner of every grid separately.
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
-        self.alone.precondition(residual, direction);
         let per_grid = self.interactions.per_grid;
+        if let [common] = &mut self.patterns[..] {
+            common.alone.precondition(residual, direction);
+        } else {
+            let grids = residual
+                .chunks_exact(per_grid)
+                .zip(direction.chunks_exact_mut(per_grid));
+            for ((residual, direction), pattern) in grids.zip(&self.pattern_of) {
+                let alone = &mut self.patterns[*pattern].alone;
+                alone.precondition(residual, direction);
+            }
+        }
         for (direction, scale) in direction.chunks_exact_mut(per_grid).zip(&self.scales) {
             direction.iter_mut().for_each(|value| *value *= scale);
         }
@@ -588,7 +645,6 @@ impl Operator for ScatteredGrids {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::halfspace::elements::Rectangle;
     use crate::numerics::neighbours::tests::random_discs;
     use crate::problem::Grid;
 
@@ -604,8 +660,12 @@ mod tests {
     }
 
     fn operator(cells: &Cells, grids: &[PlacedGrid]) -> ScatteredGrids {
+        on_layers(cells, grids, &[])
+    }
+
+    fn on_layers(cells: &Cells, grids: &[PlacedGrid], layers: &[WeightedLayer]) -> ScatteredGrids {
         let interactions = Interactions::new(cells, grids);
-        ScatteredGrids::new(cells, grids, interactions, COMPLIANCE, &[])
+        ScatteredGrids::new(cells, grids, interactions, COMPLIANCE, layers)
     }
 
     fn applied(operator: &mut impl Operator, values: &[f64]) -> Vec<f64> {
@@ -616,19 +676,27 @@ mod tests {
 
     #[test]
     fn agrees_with_direct_summation() {
-        for (count, across, gap) in [(1, 5, 1.0), (2, 16, 0.01), (12, 8, 0.05), (6, 16, 0.5)] {
+        let film = [crate::halfspace::layer::tests::film()];
+        for (count, across, gap, layers) in [
+            (1, 5, 1.0, &[][..]),
+            (2, 16, 0.01, &[]),
+            (12, 8, 0.05, &[]),
+            (6, 16, 0.5, &[]),
+            (1, 5, 1.0, &film),
+            (6, 16, 0.5, &film),
+        ] {
             let cells = disc(across);
             let grids = random_discs(count, 0.2, gap, 3);
-            let mut operator = operator(&cells, &grids);
+            let mut operator = on_layers(&cells, &grids, layers);
             let forces = numbers(operator.len());
             let found = applied(&mut operator, &forces);
             let points = operator.interactions.points.clone();
             // A force on a cell of the size of either grid.
-            let squares: Vec<(Rectangle, f64)> = grids
+            let squares: Vec<(CellPotential, f64)> = grids
                 .iter()
                 .map(|(_, scale)| {
                     let side = 2.0 / across as f64 * scale;
-                    (Rectangle::new(side, side), scale * scale)
+                    (CellPotential::new([side; 2], layers), scale * scale)
                 })
                 .collect();
             let (mut most, mut largest) = (0.0_f64, 0.0_f64);
@@ -639,7 +707,7 @@ mod tests {
                     .map(|(j, [u, v])| {
                         let of = |cell: usize| {
                             let (square, area) = &squares[cell / cells.len()];
-                            square.potential(x - u, y - v) / area
+                            square.at([x - u, y - v]) / area
                         };
                         0.5 * forces[j] * (of(i) + of(j))
                     })

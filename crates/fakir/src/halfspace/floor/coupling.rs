@@ -536,7 +536,7 @@ mod tests {
     use crate::halfspace::disc::exterior::Exterior;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
-    use crate::problem::pillar_field::PillarField;
+    use crate::problem::pillar_field::{PillarField, different};
     use std::f64::consts::PI;
 
     fn numbers(count: usize, turn: f64) -> Vec<f64> {
@@ -564,7 +564,8 @@ mod tests {
                 far[tops + k] += value * coefficients[tops + l];
             }
         }
-        let exterior = Exterior::new(2).with_layers(layers);
+        let radii = different((0..sites.len()).map(|pillar| sites.body(pillar).radius));
+        let exterior = Exterior::new(2).with_layers(layers, &radii);
         let root = grid.division.cell_area().sqrt();
         let [width, height] = grid.division.cell;
         let gauss = 0.5 / 3f64.sqrt();
@@ -580,7 +581,7 @@ mod tests {
                     (gauss, gauss),
                 ] {
                     let at = [x + u * width - cx, y + v * height - cy];
-                    exterior.values(at.map(|x| x / radius), &mut values);
+                    exterior.values(at.map(|x| x / radius), radius, &mut values);
                     for (mean, value) in means.iter_mut().zip(values) {
                         *mean += 0.25 * root * value / radius;
                     }

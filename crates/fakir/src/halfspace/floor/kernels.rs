@@ -150,7 +150,7 @@ impl PillarMeans {
         let along = |k: usize, of: [usize; LANES]| {
             Lanes(of.map(|point| 0.5 * cell[k] * (1.0 + sides[point])))
         };
-        let exterior = Exterior::new(degree).with_layers(layers);
+        let exterior = Exterior::new(degree).with_layers(layers, &[1.0]);
         Self {
             cell,
             points: [along(0, [0, 0, 1, 1]), along(1, [0, 1, 0, 1])],
@@ -173,7 +173,9 @@ impl PillarMeans {
                     let covered = x * x + y * y < 1.0 - 1e-12;
                     let at_x = Lanes::splat(x) + self.points[0];
                     if !covered {
-                        self.exterior.lane_values([at_x, at_y], &mut self.values);
+                        let radii = Lanes::splat(1.0);
+                        self.exterior
+                            .lane_values([at_x, at_y], radii, &mut self.values);
                     }
                     for (mode, value) in self.values.iter().enumerate() {
                         let mean = if covered { 0.0 } else { 0.25 * value.sum() };
@@ -286,7 +288,7 @@ mod tests {
                 for (v, weight_v) in &rule {
                     let x = (columns as f64 + 0.5 + 0.5 * u) * width;
                     let y = (rows as f64 + 0.5 + 0.5 * v) * height;
-                    exterior.values([x, y], &mut workspace);
+                    exterior.values([x, y], 1.0, &mut workspace);
                     for (sum, value) in expected.iter_mut().zip(&workspace) {
                         *sum += 0.25 * weight_u * weight_v * value;
                     }

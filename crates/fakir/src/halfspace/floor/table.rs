@@ -11,6 +11,7 @@ use crate::halfspace::disc::exterior::Exterior;
 use crate::numerics::vector::{LANES, Lanes, add_scaled, dot, widest};
 use crate::numerics::workers::Workers;
 use crate::problem::layer::WeightedLayer;
+use crate::problem::pillar_field::different;
 
 /// Smallest number of cells that a thread processes at a time.
 const CELLS_AT_ONCE: usize = 16;
@@ -29,8 +30,8 @@ pub(super) struct PillarTable {
 }
 
 impl PillarTable {
-    /// Computes the table for the modes up to a degree of the pillars within `reach` of the lens axis. On layers, all must have unit
-    /// radius. The table is undefined after cancellation.
+    /// Computes the table for the modes up to a degree of the pillars within `reach` of the lens axis. The table is undefined after
+    /// cancellation.
     pub(super) fn new(
         grid: &FloorGrid,
         (sites, reach): (&Sites, f64),
@@ -49,7 +50,8 @@ impl PillarTable {
         let centres: Vec<[f64; 2]> = grid.cells.centres().collect();
         let [width, height] = grid.division.cell.map(|side| 0.5 * GAUSS * side);
         let root = grid.division.cell_area().sqrt();
-        let exterior = Exterior::new(degree).with_layers(layers);
+        let radii = different(pillars.iter().map(|pillar| sites.body(*pillar).radius));
+        let exterior = Exterior::new(degree).with_layers(layers, &radii);
         let [across, up] = [
             Lanes([-width, -width, width, width]),
             Lanes([-height, height, -height, height]),
@@ -69,7 +71,7 @@ impl PillarTable {
                             (Lanes::splat(x - centre[0]) + across) * Lanes::splat(radius.recip()),
                             (Lanes::splat(y - centre[1]) + up) * Lanes::splat(radius.recip()),
                         ];
-                        exterior.lane_values(at, workspace);
+                        exterior.lane_values(at, Lanes::splat(radius), workspace);
                         for (value, lanes) in values.iter_mut().zip(&*workspace) {
                             *value = root / (LANES as f64 * radius) * lanes.sum();
                         }

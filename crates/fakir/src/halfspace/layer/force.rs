@@ -55,6 +55,19 @@ impl AroundForce {
         value[0]
     }
 
+    /// The value at a distance and its Laplacian.
+    pub(crate) fn value_and_laplacian(&self, distance: f64) -> [f64; 2] {
+        let [mut value, mut first, mut second] = [[0.0]; 3];
+        let jets = [&mut value[..], &mut first, &mut second];
+        self.table.jets(distance, jets);
+        let slope = if distance > 0.0 {
+            first[0] / distance
+        } else {
+            second[0]
+        };
+        [value[0], second[0] + slope]
+    }
+
     /// The value and derivatives at an offset from the force.
     pub(crate) fn jet(&self, [x, y]: [f64; 2]) -> FieldJet {
         let distance = x.hypot(y);

@@ -1,15 +1,15 @@
 //! Tables of the smooth corrections for layers as functions of distance.
 //!
-//! Every function is `factor r^(-power) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k) j_l'(k) .. J_M(k r) dk`, in pillar radii, with one spherical
-//! Bessel function for each disc. It is analytic except for branch points at `r = ±n ± 2i t`, with `n` the number of discs. Chebyshev
-//! polynomials on intervals whose length grows with the distance from the branch points therefore represent it to full precision. Intervals
-//! are computed on first use and divided into cells with a short polynomial each.
+//! Every function is `factor r^(-power) sum_b w_b ∫ (phi_b(k t_b) - 1) j_l(k a) j_l'(k a') .. J_M(k r) dk`, with one spherical Bessel
+//! function for each disc, of radius `a`, `a'`, ... It is analytic except for branch points at `r = ±s ± 2i t`, with `s` the sum of the
+//! radii. Chebyshev polynomials on intervals whose length grows with the distance from the branch points therefore represent it to full
+//! precision. Intervals are computed on first use and divided into cells with a short polynomial each.
 
 use super::response::LayerResponse;
 use crate::numerics::special::{bessel, spherical_bessel};
 use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Number of Chebyshev points in an interval: the error is 1e-15 for intervals at this distance from the branch points.
 const POINTS: usize = 24;
@@ -39,12 +39,17 @@ pub(crate) struct RadialPart {
     pub(crate) power: usize,
 }
 
+/// Largest number of discs in a function.
+const MOST_DISCS: usize = 2;
+
 /// A set of functions of the distance.
 #[derive(Debug)]
 pub(crate) struct RadialTable {
-    parts: Vec<RadialPart>,
+    parts: Arc<[RadialPart]>,
     layers: Vec<(WeightedLayer, LayerResponse)>,
-    /// Number of discs in a function.
+    /// Radii of the discs.
+    radii: [f64; MOST_DISCS],
+    /// Sum of the radii of the discs in a function.
     discs: f64,
     /// Coefficient of a Gaussian factor: the integrands are multiplied by `exp(-blur k^2)`.
     blur: f64,
@@ -64,10 +69,19 @@ struct Piece {
 }
 
 impl RadialTable {
-    /// Layers are given in pillar radii.
+    /// Discs of unit radius; layers are given in this radius.
     pub(crate) fn new(layers: &[WeightedLayer], parts: Vec<RadialPart>) -> Self {
+        Self::of_radii(layers, &parts.into(), [1.0; MOST_DISCS])
+    }
+
+    /// Discs of these radii, in the unit of length of the layers.
+    pub(crate) fn of_radii(
+        layers: &[WeightedLayer],
+        parts: &Arc<[RadialPart]>,
+        radii: [f64; MOST_DISCS],
+    ) -> Self {
         let discs = parts.iter().map(|part| part.degrees.len()).max();
-        let discs = discs.unwrap_or(0) as f64;
+        let discs = radii.iter().take(discs.unwrap_or(0)).sum();
         let thinnest = WeightedLayer::thinnest(layers).unwrap_or(f64::INFINITY);
         let mut ends = vec![0.0];
         let mut end = 0.0;
@@ -81,7 +95,8 @@ impl RadialTable {
                 .iter()
                 .map(|layer| (*layer, LayerResponse::of(layer)))
                 .collect(),
-            parts,
+            parts: Arc::clone(parts),
+            radii,
             discs,
             blur: 0.0,
             ends,
@@ -114,6 +129,11 @@ impl RadialTable {
             variable,
             inverse,
         )
+    }
+
+    /// The functions at a distance by their integrals, for a single evaluation.
+    pub(crate) fn integrals_at(&self, distance: f64) -> Vec<f64> {
+        self.integrals(&[distance], distance)
     }
 
     /// The functions at a distance.
@@ -195,29 +215,38 @@ impl RadialTable {
         let highest = |of: fn(&RadialPart) -> usize| self.parts.iter().map(of).max().unwrap_or(0);
         let order = highest(|part| part.order);
         let degree = highest(|part| part.degrees.iter().copied().max().unwrap_or(0));
-        let (mut around, mut along) = (vec![0.0; order + 1], vec![0.0; degree + 1]);
+        let mut around = vec![0.0; order + 1];
+        let mut along = [(); MOST_DISCS].map(|()| vec![0.0; degree + 1]);
+        let alike = self.radii[0].to_bits() == self.radii[1].to_bits();
         let mut sums = vec![0.0; distances.len() * count];
         let mut products = vec![0.0; count];
         for (layer, response) in &self.layers {
             let inverse = layer.thickness.recip();
             for (x, weight) in response.rule((largest + self.discs) * inverse) {
                 let k = x * inverse;
-                spherical_bessel(k, &mut along);
+                let [first, second] = &mut along;
+                spherical_bessel(k * self.radii[0], first);
+                if alike {
+                    second.copy_from_slice(first);
+                } else {
+                    spherical_bessel(k * self.radii[1], second);
+                }
                 let scale = layer.weight * weight * inverse * (-self.blur * k * k).exp();
-                for (product, part) in products.iter_mut().zip(&self.parts) {
-                    let discs = part.degrees.iter().map(|degree| along[*degree]);
+                for (product, part) in products.iter_mut().zip(&*self.parts) {
+                    let discs = part.degrees.iter().zip(&along);
+                    let discs = discs.map(|(degree, along)| along[*degree]);
                     *product = scale * part.factor * discs.product::<f64>();
                 }
                 for (distance, sums) in distances.iter().zip(sums.chunks_exact_mut(count)) {
                     bessel(k * distance, &mut around);
-                    for ((sum, product), part) in sums.iter_mut().zip(&products).zip(&self.parts) {
+                    for ((sum, product), part) in sums.iter_mut().zip(&products).zip(&*self.parts) {
                         *sum += product * around[part.order];
                     }
                 }
             }
         }
         for (distance, sums) in distances.iter().zip(sums.chunks_exact_mut(count)) {
-            for (sum, part) in sums.iter_mut().zip(&self.parts) {
+            for (sum, part) in sums.iter_mut().zip(&*self.parts) {
                 *sum /= distance.powi(part.power as i32);
             }
         }

@@ -23,7 +23,7 @@ use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::convergence::{Judgement, larger, within};
 use crate::numerics::workers::CancelToken;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::pillar_field::{Counted, ListedPillar};
+use crate::problem::pillar_field::{Counted, ListedPillar, different};
 use crate::problem::scaled::Scene;
 use crate::problem::{Cells, ElementMesh, Grid, Load, MeshLayout, Point};
 use crate::solve::elements::solver;
@@ -74,8 +74,10 @@ struct Elements {
     /// Element index by pillar, column and row.
     lookup: HashMap<(u32, i64, i64), usize>,
     layout: MeshLayout,
-    /// Contribution of layers to the displacement around the force on a cell, averaged over that cell.
-    around: Option<AroundForce>,
+    /// Contribution of layers to the displacement around the force on a cell, averaged over that cell: for every different scale of the
+    /// cells. Empty on half-spaces.
+    around: Vec<AroundForce>,
+    scales: Vec<f64>,
 }
 
 impl Elements {
@@ -93,8 +95,12 @@ impl Elements {
             size,
             lookup: HashMap::with_capacity(cells.len()),
             layout: mesh.layout,
-            around: AroundForce::on_cell(layers, [size; 2]),
+            around: Vec::new(),
+            scales: Vec::new(),
         };
+        elements.scales = different((0..sites.len()).map(|pillar| elements.scale(sites, pillar)));
+        let around = |scale: &f64| AroundForce::on_cell(layers, [scale * size; 2]);
+        elements.around = elements.scales.iter().filter_map(around).collect();
         for (element, (centre, pillar)) in cells.iter().enumerate() {
             let key = elements.key(sites, *pillar, *centre);
             elements.lookup.insert(key, element);
@@ -315,17 +321,17 @@ impl<'a> Level<'a> {
 /// Floor under loaded cells. Each cell is represented by a point force with the second moment of a square: at the distance of the floor
 /// from most cells, the relative error is below 1e-6.
 struct FloorUnderCells<'a> {
-    loaded: Vec<LoadedCell>,
-    /// Contribution of layers around a unit force.
-    around: Option<&'a AroundForce>,
+    loaded: Vec<LoadedCell<'a>>,
 }
 
-struct LoadedCell {
+struct LoadedCell<'a> {
     place: Point,
     /// Force divided by pi.
     charge: f64,
     /// `h^2/24`, the second moment divided by the area.
     moment: f64,
+    /// Contribution of layers around a unit force.
+    around: Option<&'a AroundForce>,
 }
 
 impl<'a> FloorUnderCells<'a> {
@@ -333,17 +339,18 @@ impl<'a> FloorUnderCells<'a> {
         let area = elements.size * elements.size;
         let cells = elements.centres.iter().zip(&elements.pillars);
         let loaded = cells.zip(pressure).filter(|(_, pressure)| **pressure > 0.0);
+        let place = |scale: f64| elements.scales.partition_point(|known| *known < scale);
         let one = |((centre, pillar), pressure): ((&Point, &u32), &f64)| {
             let scale = elements.scale(sites, *pillar as usize);
             LoadedCell {
                 place: *centre,
                 charge: area * pressure / PI,
                 moment: area * (scale * scale) / 24.0,
+                around: elements.around.get(place(scale)),
             }
         };
         Self {
             loaded: loaded.map(one).collect(),
-            around: elements.around.as_ref(),
         }
     }
 }
@@ -366,7 +373,7 @@ impl FloorDisplacement for FloorUnderCells<'_> {
             sum.hessian[0] += slope + curvature * x * x;
             sum.hessian[1] += curvature * x * y;
             sum.hessian[2] += slope + curvature * y * y;
-            if let Some(around) = self.around {
+            if let Some(around) = cell.around {
                 sum.add_scaled(cell.charge, &around.jet([x, y]));
             }
         }

@@ -483,9 +483,10 @@ fn add_floor(
 ) {
     let lens = &newton.scene.lens;
     let modes = newton.contact.modes();
+    let radii = newton.scene.field.radii();
     let exteriors: Vec<Exterior> = of_layers
         .iter()
-        .map(|layers| Exterior::new(newton.exterior.degree()).with_layers(layers))
+        .map(|layers| Exterior::new(newton.exterior.degree()).with_layers(layers, &radii))
         .collect();
     let mut values = vec![0.0; newton.exterior.count()];
     of_scene.depth += 1.0;
@@ -506,7 +507,7 @@ fn add_floor(
         let away = [0, 1].map(|k| point[k] - centre[k]);
         let mut by_radius = -field.value - along(away);
         for (number, exterior) in exteriors.iter().enumerate() {
-            exterior.layer_values(modes, away.map(|x| x / radius), &mut values);
+            exterior.layer_values(modes, away.map(|x| x / radius), radius, &mut values);
             let count = values.len().min(modes);
             let by_layers = dot(&values[..count], &moments[..count]) / radius;
             of_scene.layers[number] += by_layers;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::problem::column::Column;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
 use crate::problem::scaled::Scene;
 use crate::problem::{
@@ -130,10 +131,12 @@ enum Along {
     Distances,
     LensRadius,
     Depth,
+    Thickness,
 }
 
 #[derive(Clone)]
 struct Listed {
+    layers: Vec<WeightedLayer>,
     pillars: Vec<ListedPillar>,
     lens: f64,
     depth: f64,
@@ -169,6 +172,7 @@ impl Listed {
             }
         }
         Self {
+            layers: Vec::new(),
             pillars,
             lens,
             depth: dice.between(0.3, 0.8) * pitch * pitch / lens,
@@ -178,7 +182,7 @@ impl Listed {
     fn scene(&self) -> Scene {
         let list = PillarList::new(self.pillars.clone()).unwrap();
         Scene {
-            layers: Vec::new(),
+            layers: self.layers.clone(),
             lens: Lens {
                 radius: self.lens,
                 material: Material::new(1.0, 0.5),
@@ -197,6 +201,11 @@ impl Listed {
         match along {
             Along::LensRadius => changed.lens += by,
             Along::Depth => changed.depth += by,
+            Along::Thickness => {
+                for layer in &mut changed.layers {
+                    layer.thickness *= by.exp();
+                }
+            }
             _ => {}
         }
         for (number, pillar) in changed.pillars.iter_mut().enumerate() {
@@ -236,6 +245,7 @@ fn derivative(of_scene: &OfScene, along: Along, places: &[usize]) -> f64 {
         Along::Distances => of_scene.distances,
         Along::LensRadius => of_scene.lens_radius,
         Along::Depth => of_scene.depth,
+        Along::Thickness => of_scene.layers.last().copied().unwrap_or(0.0),
     }
 }
 
@@ -260,25 +270,57 @@ impl Errors {
     }
 }
 
+const EVERY: [Along; 11] = [
+    Along::Raised(0),
+    Along::AllRaised,
+    Along::Column(0),
+    Along::AllColumns,
+    Along::Rocking(0),
+    Along::Radius(0),
+    Along::AllRadii,
+    Along::Distances,
+    Along::LensRadius,
+    Along::Depth,
+    Along::Thickness,
+];
+
 #[test]
 fn any_arrangement() {
-    compare_arrangements(4);
+    compare_arrangements(4, &[], &EVERY);
 }
 
 #[test]
 #[ignore = "slow: 96 systems more"]
 fn many_arrangements() {
-    compare_arrangements(100);
+    compare_arrangements(100, &[], &EVERY);
 }
 
-/// Arbitrary pillars: at a fixed indentation, at a fixed force, and at first contact with the floor.
-fn compare_arrangements(count: usize) {
+/// A layer as thick as the largest pillar.
+#[test]
+fn several_radii_on_a_layer() {
+    let film = crate::halfspace::layer::tests::film();
+    compare_arrangements(1, &[film], &[Along::AllRadii, Along::Thickness]);
+}
+
+#[test]
+#[ignore = "slow: every parameter, with more systems"]
+fn many_radii_on_a_layer() {
+    let film = crate::halfspace::layer::tests::film();
+    compare_arrangements(6, &[film], &EVERY);
+}
+
+/// Arbitrary pillars: at a fixed indentation, at a fixed force, and at first contact with the floor. On layers there are no derivatives with
+/// respect to one radius.
+fn compare_arrangements(count: usize, layers: &[WeightedLayer], parameters: &[Along]) {
     let mut dice = Dice(7);
     let run = Run::default();
     let mut errors = Table::new();
     let mut systems = 0;
     while systems < count {
-        let listed = Listed::random(&mut dice);
+        let listed = Listed {
+            layers: layers.to_vec(),
+            ..Listed::random(&mut dice)
+        };
         let scene = listed.scene();
         let target = if systems % 2 == 0 {
             Load::FloorContact
@@ -300,18 +342,16 @@ fn compare_arrangements(count: usize) {
         }
         let any = found.places[(dice.roll() * found.places.len() as f64) as usize];
         let scale = solution.newton.force();
-        for along in [
-            Along::Raised(any),
-            Along::AllRaised,
-            Along::Column(any),
-            Along::AllColumns,
-            Along::Rocking(any),
-            Along::Radius(any),
-            Along::AllRadii,
-            Along::Distances,
-            Along::LensRadius,
-            Along::Depth,
-        ] {
+        for along in parameters {
+            let along = match along {
+                Along::Radius(_) if !layers.is_empty() => continue,
+                Along::Thickness if layers.is_empty() => continue,
+                Along::Raised(_) => Along::Raised(any),
+                Along::Column(_) => Along::Column(any),
+                Along::Rocking(_) => Along::Rocking(any),
+                Along::Radius(_) => Along::Radius(any),
+                other => *other,
+            };
             // The step in height changes the contact about as much as that of another parameter.
             let step = 1e-4
                 * match along {
@@ -421,6 +461,7 @@ fn euler(
             + of_scene.distances
             + of_scene.lens_radius * listed.lens
             + of_scene.depth * listed.depth
+            + derivative(of_scene, Along::Thickness, &found.places)
     };
     let of_force = along_all(&found.force) + found.stiffness * indentation;
     let of_floor = found.floor.as_ref().map(&along_all);
@@ -788,6 +829,7 @@ fn a_single_flat_punch() {
     };
     let centre = [3.0, 1.0];
     let listed = Listed {
+        layers: Vec::new(),
         pillars: vec![ListedPillar { centre, body }],
         lens: f64::INFINITY,
         depth: 2.2,

@@ -60,7 +60,7 @@ impl Patch {
     /// The displacement field around it, on layers in the same unit.
     pub(crate) fn exterior(&self, layers: &[WeightedLayer]) -> Exterior {
         let degree = degree_with(self.coefficients.len()).min(OUTSIDE_DEGREE);
-        Exterior::new(degree).with_layers(&WeightedLayer::in_unit(layers, self.radius))
+        Exterior::new(degree).with_layers(layers, &[self.radius])
     }
 }
 
@@ -304,7 +304,7 @@ mod tests {
         let film = film();
         let solver = PatchSolver::of_degree(8, 0.0, &[film]);
         let pair = PairCoupling::new(8, 4.0).with_layers(&[film]);
-        let block = pair.own_block().unwrap();
+        let block = pair.own_block(1.0).unwrap();
         let count = solver.places.len();
         let influence = solver.influence(1.0);
         for (column, place) in solver.places.iter().enumerate() {
