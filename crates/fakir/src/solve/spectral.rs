@@ -84,7 +84,7 @@ pub(crate) fn solve_punch<'a>(
         PunchForm::Plain => PairCoupling::of_flat_punches(pitch),
         PunchForm::Corrected => PairCoupling::new(0, pitch),
     };
-    let pair = pair.with_layers(&scene.layers);
+    let pair = pair.on_layers_of(scene);
     let mut steps = 0;
     loop {
         let radius_used = limited(scene, radius);

@@ -399,14 +399,18 @@ impl PairCoupling {
 
     /// The coupling of the pillars of a scene, with layers if there are any.
     pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
-        let pair = Self::new(degree, scene.field.spacing());
+        Self::new(degree, scene.field.spacing()).on_layers_of(scene)
+    }
+
+    /// The same on the layers of a scene, if there are any, for the radii of its pillars.
+    pub(crate) fn on_layers_of(self, scene: &Scene) -> Self {
         if scene.layers.is_empty() {
-            return pair;
+            return self;
         }
         let radii = scene.field.radii();
         let pillars = scene.field.expected_len(f64::INFINITY);
         let tabulated = radii.len() == 1 || TABULATED * radii.len() as f64 <= pillars;
-        pair.on_layers(&scene.layers, &radii, tabulated)
+        self.on_layers(&scene.layers, &radii, tabulated)
     }
 
     /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre of the receiving pillar instead of its
@@ -419,6 +423,7 @@ impl PairCoupling {
     }
 
     /// The same for pillars of unit radius on layers.
+    #[cfg(test)]
     pub(crate) fn with_layers(&self, layers: &[WeightedLayer]) -> Self {
         self.on_layers(layers, &[1.0], true)
     }
