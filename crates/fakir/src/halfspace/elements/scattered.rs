@@ -462,7 +462,10 @@ impl ScatteredGrids {
         let parts = &self.interactions.parts;
         let layers = self.layers.as_ref();
         // The correction is a mean over a cell of scale 1. Cells of other sizes differ by the Laplacian times the second moment.
-        let differ = self.scales.iter().any(|scale| *scale != 1.0);
+        let differ = self
+            .scales
+            .iter()
+            .any(|scale| scale.to_bits() != 1.0_f64.to_bits());
         let unit_size = self.unit_area / 24.0;
         for [one, other] in &self.interactions.far {
             let [[ax, ay], [bx, by]] = [one, other].map(|part| parts[*part].nodes());
