@@ -274,7 +274,6 @@ const ADHESIVE_TOPS: &[Feature] = &[Feature::AdhesiveTops];
 const ADHESIVE_FLOOR: &[Feature] = &[Feature::AdhesiveFloor];
 const LAYER: &[Feature] = &[Feature::Layer];
 const OTHER_ARRANGEMENT: &[Feature] = &[Feature::OtherArrangement];
-const SEVERAL_DIAMETERS: &[Feature] = &[Feature::SeveralDiameters];
 const ELASTIC: &[Feature] = &[Feature::ElasticPillars];
 const FLOOR_INTERACTION: &[Feature] = &[Feature::FloorInteraction];
 
