@@ -65,6 +65,8 @@ from ._asperities import (
     AsperityArray,
     AsperityContact,
     AsperityCycle,
+    AsperityElements,
+    AsperityVerification,
     HeightDesign,
     design_heights,
 )
@@ -92,6 +94,8 @@ __all__ = [
     "AsperityArray",
     "AsperityContact",
     "AsperityCycle",
+    "AsperityElements",
+    "AsperityVerification",
     "Candidate",
     "CaseError",
     "Citation",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, overrides_of, settings
+from ._verification import Difference, Opinion, checked_cells
 from .errors import NotConverged
 from .bem import Plate, indenter_settings
 
@@ -221,6 +222,27 @@ class AsperityArray(Viscoelastic):
             raise NotConverged(f"the solution {result.termination}", result)
         return result
 
+    def verify(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        cells_per_diameter: int = 32,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> AsperityVerification:
+        """Compares the discs of contact with boundary elements, on ``cells_per_diameter`` cells across every contact and on half as many.
+
+        The discs are computed with the accurate setting. Boundary elements do not support adhesion; tops with adhesion are refused.
+        """
+        checked_cells(cells_per_diameter)
+        run = options(threads, progress, memory_limit)
+        question = load(indentation, force)
+        warn_of_interactions(self._asperities, "verify", depth=1)
+        summary, discs = _fakir.verify_asperities(self._asperities, *question, cells_per_diameter, run)
+        return AsperityVerification(json.loads(summary), AsperityContact(self, discs))
+
     @property
     def adhesion(self) -> Adhesion | None:
         """The adhesion of the tops; None without."""
@@ -298,6 +320,60 @@ class AsperityContact(AsperityPressNumbers):
             ("left out", ", ".join(self.left_out)),
             ("solution", self.termination),
         ]
+
+
+class AsperityElements(NamedTuple):
+    """A contact with rounded tops with boundary elements."""
+
+    cells_per_diameter: int
+    """Cells across every contact."""
+    force: float
+    """Force, N."""
+    indentation: float
+    """Indentation, m."""
+    contact_area: float
+    """Area of the cells in contact, m^2."""
+    contact_radius: float | None
+    """Distance from the lens axis of the farthest cell in contact, m; None under a level plate."""
+    pillars_in_contact: int
+    """Number of tops that carry a force."""
+    converged: bool
+    """Whether the solution converged."""
+
+
+class AsperityVerification(Opinion):
+    """A contact with rounded tops as discs and with boundary elements, and their differences."""
+
+    _titles = ("fakir.AsperityVerification", "Verification by an independent method")
+
+    discs: AsperityContact
+    """The contact as discs, with the accurate setting."""
+    elements: tuple[AsperityElements, AsperityElements]
+    """The contacts with boundary elements, on half as many cells and on all."""
+    contact_area: Difference
+    """Difference of the contact area with elements from that with discs."""
+
+    def __init__(self, summary: dict[str, Any], discs: AsperityContact) -> None:
+        super().__init__(summary)
+        self.contact_area = self._difference("contact_area")
+        coarse, fine = (
+            AsperityElements(
+                row["cells_per_diameter"],
+                row["force_N"],
+                row["indentation_m"],
+                row["contact_area_m2"],
+                row["contact_radius_m"],
+                row["pillars_in_contact"],
+                row["converged"],
+            )
+            for row in summary["answers"][1:]
+        )
+        self.discs, self.elements = discs, (coarse, fine)
+
+    def _rows(self) -> list[Row]:
+        coarse, fine = self.elements
+        answers = [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)]
+        return self._rows_of(answers, [("contact area", self.contact_area)])
 
 
 class AsperityCycle(AsperityCycleNumbers):

@@ -363,6 +363,9 @@ class AsperityContact(Answer):
 def press_asperities(
     tops: Asperities, indentation: float | None, force: float | None, options: Options
 ) -> AsperityContact: ...
+def verify_asperities(
+    tops: Asperities, indentation: float | None, force: float | None, cells: int, options: Options
+) -> tuple[str, AsperityContact]: ...
 def cycle_asperities(
     tops: Asperities,
     to: float | None,

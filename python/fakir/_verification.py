@@ -45,19 +45,20 @@ class Opinion(Result):
     doubt: str | None
     """Why the comparison is inconclusive; None if it is conclusive."""
     force: Difference
-    """Difference of the elements from the spectral method or from the disc, or of the coarser cells from the finer ones."""
+    """Difference of the elements from the spectral method or from discs, or of the coarser cells from the finer ones."""
     indentation: Difference
     """The same for the indentation."""
 
     def __init__(self, summary: dict[str, Any]) -> None:
         self._summary = summary
         self.verdict, self.doubt = summary["verdict"], summary["doubt"]
-        self.force, self.indentation = (
-            Difference(
-                _number(summary["relative_difference"][name]),
-                _number(summary["allowed_difference"][name]),
-            )
-            for name in ("force", "indentation")
+        self.force, self.indentation = (self._difference(name) for name in ("force", "indentation"))
+
+    def _difference(self, name: str) -> Difference:
+        summary = self._summary
+        return Difference(
+            _number(summary["relative_difference"][name]),
+            _number(summary["allowed_difference"][name]),
         )
 
     @property
@@ -65,12 +66,17 @@ class Opinion(Result):
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _rows_of(self, answers: Sequence[tuple[str, Loaded]]) -> list[Row]:
+    def _rows_of(
+        self,
+        answers: Sequence[tuple[str, Loaded]],
+        further: Sequence[tuple[str, Difference]] = (),
+    ) -> list[Row]:
         rows = [
             (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
             for name, s in answers
         ]
-        for name, (relative, allowed) in [("force", self.force), ("indentation", self.indentation)]:
+        differences = [("force", self.force), ("indentation", self.indentation), *further]
+        for name, (relative, allowed) in differences:
             rows.append((f"difference in {name}", f"{relative:.1e}, allowed {allowed:.1e}"))
         verdicts = {
             "agree": "the answers agree",

@@ -111,6 +111,28 @@ def test_what_cannot_be_is_refused():
         fakir.System.from_toml(tops(diameter="1 mm").to_toml())
 
 
+def test_a_second_method():
+    """Boundary elements on every top find the contacts of the discs, under a plate Hertz's."""
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
+    found = one.verify(indentation="4 um", cells_per_diameter=32)
+    coarse, fine = found.elements
+    assert found.agrees and (coarse.cells_per_diameter, fine.cells_per_diameter) == (16, 32)
+    modulus = 1.0 / (0.75 / 1.5e6 + (1.0 - 0.22**2) / 70e9)
+    hertz = 4.0 / 3.0 * modulus * np.sqrt(526e-6) * 4e-6**1.5
+    assert found.discs.force == pytest.approx(hertz, rel=1e-9)
+    assert fine.force == pytest.approx(hertz, rel=1e-3)
+    assert found.force.relative == pytest.approx(fine.force / hertz - 1.0, rel=1e-6)
+    assert abs(found.contact_area.relative) < found.contact_area.allowed < 0.1
+    assert fine.pillars_in_contact == 1 and fine.contact_radius is None
+    assert "the answers agree" in str(found) and "difference in contact area" in str(found)
+    many = tops().verify(force="20 mN", cells_per_diameter=16)
+    assert many.agrees and many.elements[1].pillars_in_contact == many.discs.pillars_in_contact
+    with pytest.raises(ValueError, match="give 16 to 1024"):
+        one.verify(force="1 mN", cells_per_diameter=8)
+    with pytest.raises(fakir.SolveError, match="adhesion"):
+        tops(adhesion="50 mJ/m2").verify(force="1 mN")
+
+
 def test_what_to_cite_for_rounded_tops():
     keys = [entry.bibtex.split("{")[1].split(",")[0] for entry in fakir.cite(tops())]
     assert "Hertz1882" in keys and "Aymard2024" not in keys

@@ -778,8 +778,8 @@ pub(crate) struct Verify {
     pub(crate) case: CaseArguments,
     #[command(flatten)]
     pub(crate) load: LoadArguments,
-    /// Square cells across a pillar on the finer mesh, 16 if not given, or across the contact with a flat surface, 64 if not given; the other
-    /// mesh has half as many
+    /// Square cells across a pillar on the finer mesh, 16 if not given, across the contact with a flat surface, 64 if not given, or across every
+    /// contact on rounded tops, 32 if not given; the other mesh has half as many
     #[arg(long, value_name = "N", value_parser = cells)]
     pub(crate) cells: Option<usize>,
     #[command(flatten)]

@@ -18,8 +18,8 @@ use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
 use fakir_study::record::AsperityAnswer;
 use fakir_study::result::{
-    asperity_cycle, asperity_cycle_warnings, asperity_pillars, asperity_press, asperity_warnings,
-    json,
+    SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
+    asperity_press, asperity_warnings, json,
 };
 use fakir_study::workshop::Relief;
 use pyo3::prelude::*;
@@ -218,6 +218,21 @@ impl AsperityContact {
 }
 
 impl AsperityContact {
+    /// The contact of a case, with the computing time in s.
+    fn made(
+        py: Python<'_>,
+        case: AsperityCase,
+        contact: state::AsperityContact,
+        wall_time: f64,
+    ) -> PyResult<Py<Self>> {
+        let contact = Self { case, contact };
+        let answer = contact.answer();
+        let summary = json(&asperity_press(answer, wall_time));
+        let (ended, warnings) = (answer.contact.termination, asperity_warnings(answer));
+        let answer = Answer::new(&answer, summary, ended, warnings);
+        Py::new(py, (contact, answer))
+    }
+
     fn answer(&self) -> AsperityAnswer<'_> {
         AsperityAnswer::of(&self.case, &self.contact)
     }
@@ -239,12 +254,31 @@ pub(crate) fn press_asperities(
         case.field.press(load, case.accuracy, run)
     })?;
     let contact = contact.map_err(|error| solve_error(&error))?;
-    let contact = AsperityContact { case, contact };
-    let answer = contact.answer();
-    let summary = json(&asperity_press(answer, start.elapsed().as_secs_f64()));
-    let (ended, warnings) = (answer.contact.termination, asperity_warnings(answer));
-    let answer = Answer::new(&answer, summary, ended, warnings);
-    Py::new(py, (contact, answer))
+    AsperityContact::made(py, case, contact, start.elapsed().as_secs_f64())
+}
+
+/// The object that `fakir verify --json` prints for rounded tops, and the contact with discs.
+#[pyfunction]
+pub(crate) fn verify_asperities(
+    py: Python<'_>,
+    tops: &Asperities,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    cells: usize,
+    options: Options,
+) -> PyResult<(String, Py<AsperityContact>)> {
+    let load = load(indentation, force)?;
+    let case = tops.case.clone();
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        fakir::verify_asperities(&case.field, load, cells, run)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let summary = SurfaceVerifySummary::of_asperities(&case.field, load, &found, wall_time);
+    let summary = json(&summary);
+    let contact = AsperityContact::made(py, case, found.discs, wall_time)?;
+    Ok((summary, contact))
 }
 
 /// Points of a curve: branch, indentation (m), force (N), contact area (m^2) and number of tops in contact.

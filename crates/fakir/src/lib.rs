@@ -80,7 +80,8 @@ mod verify;
 
 pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
 pub use verify::{
-    Difference, FlatVerification, InconclusiveReason, Verdict, Verification, verify, verify_flat,
+    AsperityVerification, Difference, FlatVerification, InconclusiveReason, Verdict, Verification,
+    verify, verify_asperities, verify_flat,
 };
 
 /// Former name of [`InconclusiveReason`].

@@ -4,8 +4,10 @@
 //! exact for a disc, the other divides the disc into squares. If they agree within their error estimates, both are confirmed. If one of
 //! them did not converge, or has no significant digit, the comparison is inconclusive.
 
+mod asperities;
 mod flat;
 
+pub use asperities::{AsperityVerification, verify_asperities};
 pub use flat::{FlatVerification, verify_flat};
 
 use crate::method::press;
@@ -108,6 +110,13 @@ pub enum InconclusiveReason {
         /// Why its solver stopped.
         termination: Termination,
     },
+    /// A contact with rounded tops did not converge.
+    AsperitiesNotConverged {
+        /// Cells across every contact; `None` of the discs.
+        cells: Option<usize>,
+        /// Why its solver stopped.
+        termination: Termination,
+    },
     /// There are too few cells for error estimates.
     NoErrors,
     /// The error estimates allow a difference as large as the values themselves.
@@ -152,6 +161,22 @@ impl std::fmt::Display for InconclusiveReason {
             } => write!(
                 f,
                 "the solution with one disc of contact {}",
+                termination.description()
+            ),
+            Self::AsperitiesNotConverged {
+                cells: Some(cells),
+                termination,
+            } => write!(
+                f,
+                "the solution with boundary elements, {cells} cells across every contact, {}",
+                termination.description()
+            ),
+            Self::AsperitiesNotConverged {
+                cells: None,
+                termination,
+            } => write!(
+                f,
+                "the solution with a disc of contact on every top {}",
                 termination.description()
             ),
             Self::NoErrors => f.write_str("there are too few cells to estimate the error"),

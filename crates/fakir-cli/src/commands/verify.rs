@@ -1,22 +1,24 @@
 //! `fakir verify`: two methods, or two meshes, on the same question.
 
-use crate::failure::{Failure, not_answered};
+use crate::failure::Failure;
 use crate::numbers::{DIGITS, seconds, significant};
 use crate::session::Session;
-use fakir::problem::{Accuracy, ElementMesh, Load, Method, Question};
+use fakir::problem::{Accuracy, ElementMesh, Load, Method};
 use fakir::state::ContactState;
 use fakir::{Verdict, Verification};
 use fakir_case::unit::Dimension;
-use fakir_case::{AnyCase, Case, CaseFile, FlatCase};
+use fakir_case::{AnyCase, AsperityCase, Case, CaseFile, FlatCase};
 use fakir_study::answer::described;
 use fakir_study::citations::Topic;
 use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::record::AsperityAnswer;
 use fakir_study::report::Report;
 use fakir_study::report::state::{difference, pillar_pattern_line, radius_digits};
 use fakir_study::report::surface::description;
 use fakir_study::report::table::{Column, table};
 use fakir_study::result::{
-    AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary, control_words, csv, json, warnings,
+    AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary, asperity_warnings, control_words, csv,
+    json, warnings,
 };
 use fakir_study::surfaces::{self, SurfaceVerification};
 use std::time::Instant;
@@ -24,9 +26,10 @@ use std::time::Instant;
 /// Digits shown of contact areas, which change by whole cells.
 const AREA_DIGITS: usize = 4;
 
-/// Default number of cells across a pillar, and across the contact with a flat surface.
+/// Default number of cells across a pillar, across the contact with a flat surface, and across every contact on rounded tops.
 const ACROSS_PILLAR: usize = 16;
 const ACROSS_CONTACT: usize = 64;
+const ACROSS_CONTACT_ON_TOP: usize = 32;
 
 /// Verification of a case of any kind that supports it.
 pub(crate) fn run(
@@ -40,7 +43,10 @@ pub(crate) fn run(
         AnyCase::Pillars(case) => of_pillars(case, load, across_pillar, session),
         AnyCase::HeightMap(file) => of_surface(file, load, across_pillar, session),
         AnyCase::Flat(flat) => of_flat(case, flat, load, cells.unwrap_or(ACROSS_CONTACT), session),
-        _ => Err(not_answered(Question::Verify)),
+        AnyCase::Asperities(tops) => {
+            let cells = cells.unwrap_or(ACROSS_CONTACT_ON_TOP);
+            of_asperities(case, tops, load, cells, session)
+        }
     }
 }
 
@@ -216,6 +222,58 @@ fn of_flat(
     })
 }
 
+/// Rounded tops with a disc of contact on each, and with boundary elements.
+fn of_asperities(
+    any: &AnyCase,
+    case: &AsperityCase,
+    control: Load,
+    cells: usize,
+    session: &Session,
+) -> Result<Report, Failure> {
+    if control == Load::FloorContact {
+        return Err(Failure::Argument(
+            "rounded tops are verified under a load: give --indentation or --force".to_owned(),
+        ));
+    }
+    let start = Instant::now();
+    let found = fakir::verify_asperities(&case.field, control, cells, &session.run())?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let described = described(any)?;
+    let summary = SurfaceVerifySummary::of_asperities(&case.field, control, &found, wall_time);
+    let rows = summary.answers();
+    let verdict = verdict_words(found.verdict());
+    let mut topics = described.topics;
+    topics.push(Topic::Surface {
+        periodic: false,
+        random: false,
+    });
+    Ok(Report {
+        json: json(&summary),
+        text: format!(
+            "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
+            described.lines[0],
+            mesh_table("Answer", rows),
+            difference("force", found.force),
+            difference("indentation", found.indentation),
+            difference("the contact area", found.area),
+            seconds(wall_time)
+        ),
+        provenance: Provenance::new(
+            control_words(control),
+            format!(
+                "{} against boundary elements, {cells} cells across every contact",
+                described.method
+            ),
+            &topics,
+            case.to_toml(),
+        ),
+        tables: vec![csv("verify.csv", rows)],
+        warnings: asperity_warnings(AsperityAnswer::of(case, &found.discs)),
+        converged: found.agrees(),
+        exceeded: Vec::new(),
+    })
+}
+
 fn mesh_table(heading: &'static str, rows: &[MeshRow]) -> String {
     let columns = [
         Column::right(heading, |row: &MeshRow| row.name.clone()),
@@ -229,7 +287,13 @@ fn mesh_table(heading: &'static str, rows: &[MeshRow]) -> String {
             Some(row.contact_area_m2 * 1e12)
         }),
     ];
-    table(rows, &columns)
+    let on_tops = rows.iter().any(|row| row.pillars_in_contact.is_some());
+    let pillars = Column::right("pillars", |row: &MeshRow| {
+        let pillars = row.pillars_in_contact;
+        pillars.map_or(String::new(), |pillars| pillars.to_string())
+    });
+    let columns = columns.into_iter().chain(on_tops.then_some(pillars));
+    table(rows, &columns.collect::<Vec<_>>())
 }
 
 fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Report {

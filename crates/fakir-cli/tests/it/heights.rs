@@ -496,8 +496,7 @@ fn every_other_command_refuses_rounded_tops() {
             .contains("floor contact is not computed under rounded tops")
     );
     for arguments in [
-        &["verify", "case.toml"][..],
-        &["theory", "case.toml"],
+        &["theory", "case.toml"][..],
         &["compare", "case.toml"],
         &["design", "case.toml", "--samples", "3"],
         &[
@@ -538,4 +537,74 @@ fn every_other_command_refuses_rounded_tops() {
         assert_eq!(outcome.status, Some(2), "{option:?}");
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
     }
+}
+
+/// Boundary elements on every top find the same contacts; adhesion has no second method.
+#[test]
+fn rounded_tops_are_verified_with_boundary_elements() {
+    let bench = bench();
+    let load = ["--quiet", "--force", "20mN", "--cells", "16"];
+    let found = bench.json(&[&["verify", "case.toml"], &load[..]].concat());
+    assert_eq!(found["verdict"], "agree", "{found}");
+    let answers = found["answers"].as_array().unwrap();
+    let methods: Vec<&serde_json::Value> = answers.iter().map(|row| &row["method"]).collect();
+    assert_eq!(methods, ["discs", "love", "love"]);
+    assert_eq!(answers[2]["cells_per_diameter"], 16);
+    assert_eq!(answers[2]["pillars_in_contact"], 25);
+    // The discs are those of `press` with the accurate setting.
+    let accurate = [
+        "--set",
+        "method.accuracy=accurate",
+        "--quiet",
+        "--force",
+        "20mN",
+    ];
+    let pressed = bench.json(&[&["press", "case.toml"], &accurate[..]].concat());
+    assert_eq!(answers[0]["indentation_m"], pressed["indentation_m"]);
+    let [discs, elements] = [0, 2].map(|row| answers[row]["indentation_m"].as_f64().unwrap());
+    assert!((elements / discs - 1.0).abs() < 3e-3 && elements.to_bits() != discs.to_bits());
+    let area = found["relative_difference"]["contact_area"]
+        .as_f64()
+        .unwrap();
+    assert!(
+        area != 0.0
+            && area.abs()
+                < found["allowed_difference"]["contact_area"]
+                    .as_f64()
+                    .unwrap()
+    );
+    let text = bench.run(&[&["verify", "case.toml", "--output", "verified"], &load[..]].concat());
+    assert!(
+        text.stdout.contains("elements, 16 cells"),
+        "{}",
+        text.stdout
+    );
+    assert!(
+        text.stdout.contains("Difference in the contact area"),
+        "{}",
+        text.stdout
+    );
+    assert!(
+        bench
+            .read("verified/verify.csv")
+            .contains("pillars_in_contact")
+    );
+    let adhesive = [
+        "verify",
+        "case.toml",
+        "--force",
+        "20mN",
+        "--set",
+        "adhesion.work=50mJ/m2",
+    ];
+    let refused = bench.run(&adhesive);
+    assert_eq!(refused.status, Some(2), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("no second method for adhesion"),
+        "{}",
+        refused.stderr
+    );
+    let untold = bench.run(&["verify", "case.toml"]);
+    assert_eq!(untold.status, Some(2), "{}", untold.stderr);
+    assert!(untold.stderr.contains("--force"), "{}", untold.stderr);
 }

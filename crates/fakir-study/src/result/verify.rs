@@ -3,9 +3,9 @@
 use crate::VERSION;
 use crate::record::{DISC, METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
-use fakir::problem::{Boundary, FlatSystem, Load, Method};
-use fakir::state::{ContactState, FlatContact, SurfaceContact};
-use fakir::{Difference, FlatVerification, Verification};
+use fakir::problem::{AsperityArray, Boundary, FlatSystem, Load, Method};
+use fakir::state::{AsperityContact, AsperityElements, ContactState, FlatContact, SurfaceContact};
+use fakir::{AsperityVerification, Difference, FlatVerification, Verification};
 use serde::Serialize;
 
 /// One of the results: a row of `verify.csv`.
@@ -57,6 +57,9 @@ struct Differences {
     /// If the floor carries load.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor_share: Option<f64>,
+    /// If it is compared: on rounded tops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contact_area: Option<f64>,
 }
 
 /// A verification: what `fakir verify --json` prints.
@@ -158,24 +161,31 @@ fn differences(
         force: of(force),
         indentation: of(indentation),
         floor_share: None,
+        contact_area: None,
     }
 }
 
-/// The result on one mesh of a general or a flat surface, or as one disc of contact: a row of `verify.csv`.
+/// Name of the method for rounded tops.
+const DISCS: &str = "discs";
+
+/// The result on one mesh of a general or a flat surface or on rounded tops, or with discs of contact: a row of `verify.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)] // names end with the symbol of the unit
 pub struct MeshRow {
     /// Name of the method.
     pub method: &'static str,
-    /// Cells across a pillar, or across the contact with a flat surface; `None` for the disc.
+    /// Cells across a pillar, across the contact with a flat surface, or across every contact on rounded tops; `None` for discs.
     pub cells_per_diameter: Option<usize>,
     /// Descriptive name.
     #[serde(skip)]
     pub name: String,
-    /// Number of cells along x; `None` for the disc.
+    /// Number of cells along x; `None` for the disc, and on rounded tops, each of which has its cells.
     pub columns: Option<usize>,
-    /// Number of cells along y; `None` for the disc.
+    /// Number of cells along y; `None` for the disc, and on rounded tops, each of which has its cells.
     pub rows: Option<usize>,
+    /// Number of rounded tops in contact; `None` on other surfaces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pillars_in_contact: Option<usize>,
     /// Normal force, N.
     pub force_N: f64,
     /// Indentation, m.
@@ -198,7 +208,7 @@ pub struct MeshRow {
     pub iterations: usize,
 }
 
-/// Verification on a general or a flat surface: what `fakir verify --json` prints for it.
+/// Verification on a general or a flat surface or on rounded tops: what `fakir verify --json` prints for it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SurfaceVerifySummary {
     question: &'static str,
@@ -209,7 +219,7 @@ pub struct SurfaceVerifySummary {
     verdict: &'static str,
     /// Why the comparison is inconclusive; `None` if it is conclusive.
     doubt: Option<String>,
-    /// Relative difference of the result on half as many cells from that on all cells; on a flat surface, of that on all cells from the disc.
+    /// Relative difference of the result on half as many cells from that on all cells; on a flat surface and on rounded tops, of that on all cells from that with discs.
     relative_difference: Differences,
     /// Sum of both error estimates.
     allowed_difference: Differences,
@@ -276,7 +286,37 @@ impl SurfaceVerifySummary {
         }
     }
 
-    /// The results, that on half as many cells first, or that of the disc.
+    /// The results with rounded tops, that with discs first.
+    #[must_use]
+    pub fn of_asperities(
+        array: &AsperityArray,
+        control: Load,
+        verification: &AsperityVerification,
+        wall_time: f64,
+    ) -> Self {
+        let verdict = verification.verdict();
+        let differences = |of: fn(&Difference) -> f64| Differences {
+            contact_area: Some(of(&verification.area)),
+            ..differences(&verification.force, &verification.indentation, of)
+        };
+        Self {
+            question: question_name(control),
+            indenter: indenter_name(array.indenter()),
+            boundary: boundary_name(Boundary::FreeSpace),
+            agree: verification.agrees(),
+            verdict: verdict.name(),
+            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
+            relative_difference: differences(|difference| difference.relative),
+            allowed_difference: differences(|difference| difference.allowed),
+            answers: std::iter::once(MeshRow::of_discs(&verification.discs))
+                .chain(verification.elements.iter().map(MeshRow::of_tops))
+                .collect(),
+            wall_time_s: wall_time,
+            fakir_version: VERSION,
+        }
+    }
+
+    /// The results, that on half as many cells first, or that of the disc or the discs.
     #[must_use]
     pub fn answers(&self) -> &[MeshRow] {
         &self.answers
@@ -291,6 +331,7 @@ impl MeshRow {
             name: cells_per_diameter.to_string(),
             columns: Some(contact.grid.columns()),
             rows: Some(contact.grid.rows()),
+            pillars_in_contact: None,
             force_N: contact.force,
             indentation_m: contact.indentation,
             contact_area_m2: contact.contact_area,
@@ -304,6 +345,51 @@ impl MeshRow {
         }
     }
 
+    fn of_discs(contact: &AsperityContact) -> Self {
+        let error = contact.error;
+        let depth = contact.indentation.abs();
+        let relative = |error: f64| if error == 0.0 { 0.0 } else { error / depth };
+        Self {
+            method: DISCS,
+            cells_per_diameter: None,
+            name: "discs, accurate".to_owned(),
+            columns: None,
+            rows: None,
+            pillars_in_contact: Some(contact.touched()),
+            force_N: contact.force,
+            indentation_m: contact.indentation,
+            contact_area_m2: contact.area,
+            contact_radius_m: contact.contact_radius,
+            force_error_estimate: error.map(|error| error.force),
+            indentation_error_estimate: error.map(|error| relative(error.indentation)),
+            contact_radius_error_estimate: None,
+            contact_area_error_estimate: error.map(|error| error.area),
+            converged: contact.converged(),
+            iterations: contact.iterations,
+        }
+    }
+
+    fn of_tops(contact: &AsperityElements) -> Self {
+        Self {
+            method: METHOD,
+            cells_per_diameter: Some(contact.cells),
+            name: format!("elements, {} cells", contact.cells),
+            columns: None,
+            rows: None,
+            pillars_in_contact: Some(contact.touched()),
+            force_N: contact.force,
+            indentation_m: contact.indentation,
+            contact_area_m2: contact.area,
+            contact_radius_m: contact.contact_radius,
+            force_error_estimate: Some(contact.error.force),
+            indentation_error_estimate: Some(contact.error.indentation),
+            contact_radius_error_estimate: None,
+            contact_area_error_estimate: Some(contact.area_error),
+            converged: contact.converged(),
+            iterations: contact.products,
+        }
+    }
+
     fn of_disc(contact: &FlatContact) -> Self {
         let error = contact.error;
         Self {
@@ -312,6 +398,7 @@ impl MeshRow {
             name: "one disc".to_owned(),
             columns: None,
             rows: None,
+            pillars_in_contact: None,
             force_N: contact.force,
             indentation_m: contact.indentation,
             contact_area_m2: contact.contact_area,

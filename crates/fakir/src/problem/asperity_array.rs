@@ -247,6 +247,14 @@ impl AsperityArray {
         raised.fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// Indentation at which the first asperity is touched, m.
+    #[must_use]
+    pub fn first_touch(&self) -> f64 {
+        let asperities = self.asperities.iter();
+        let touches = asperities.map(|asperity| self.level_of_touch(asperity) - asperity.raised);
+        touches.fold(f64::INFINITY, f64::min)
+    }
+
     /// The same array with asperities at other heights above the reference level, m.
     ///
     /// # Errors

@@ -480,7 +480,6 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[
-            Question::Verify,
             Question::Theory,
             Question::Compare,
             Question::Design,
@@ -491,7 +490,7 @@ static RULES: &[Rule] = &[
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `approach`, `cycle`, `sweep` and `design --free heights` support rounded tops",
+        "leave out the radius of curvature of the tops; `press`, `verify`, `approach`, `cycle`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(
@@ -618,7 +617,7 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[Question::Verify],
-        FLAT,
+        &[Solver::Flat, Solver::Asperities],
         &[ADHESIVE_TOPS],
         "there is no second method for adhesion: its tension at the rim is infinite, and boundary elements support only pressures",
         "with a work of adhesion of 0 the contact without adhesion is verified; `press` estimates the error",

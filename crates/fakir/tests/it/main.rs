@@ -32,4 +32,5 @@ mod surface_estimates;
 mod surfaces;
 mod truth;
 mod unlike_tops;
+mod verify_asperities;
 mod viscoelastic;

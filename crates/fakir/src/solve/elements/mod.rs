@@ -3,11 +3,13 @@
 //! * [`solver`]: the conditions on arbitrary cells, with a duality gap;
 //! * [`separation`]: two surfaces given by their separation, with unknowns only in an active set;
 //! * `pillars`: elements on the pillars of a lattice;
+//! * `asperities`: elements on rounded tops;
 //! * [`surface`]: a lens or a plate pressed onto a height map.
 #![doc = ""]
 #![doc = include_str!("../../../doc/rendered/elements.md")]
 
 mod active;
+pub(crate) mod asperities;
 mod closing;
 pub(crate) mod flat;
 pub(crate) mod pattern;
