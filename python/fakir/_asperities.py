@@ -296,11 +296,40 @@ class AsperityContact(AsperityPressNumbers):
 
     def __init__(self, tops: AsperityArray, contact: _fakir.AsperityContact) -> None:
         super().__init__(contact)
-        self.tops, self._columns = tops, dict(contact.pillars())
+        self.tops, self._contact = tops, contact
+        self._columns = dict(contact.pillars())
         self.x, self.y, self.radius, self.forces, self.gap = (
             np.asarray(self._columns[name], dtype=np.float64)
             for name in ["centre_x_m", "centre_y_m", "contact_radius_m", "force_N", "gap_m"]
         )
+
+    def pressure(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
+        """Contact pressure (Pa) at points (m from the lens axis), which are broadcast; infinite at the rim of a full top, and at the
+        edge of a contact with adhesion, where it is tensile."""
+        return self._field(2, x, y, threads, memory_limit)
+
+    def surface_gap(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
+        """Gap (m) between the lens and the top below it, or the floor between the tops, which is not touched."""
+        return self._field(1, x, y, threads, memory_limit)
+
+    def displacement(
+        self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
+    ) -> Any:
+        """Separation of the two surfaces by the pressure (m), without the shortening of pillars."""
+        return self._field(0, x, y, threads, memory_limit)
+
+    def _field(
+        self, number: int, x: object, y: object, threads: int, memory_limit: int | None
+    ) -> Any:
+        points = np.broadcast_arrays(array(x, "length", "x"), array(y, "length", "y"))
+        _fakir.check_points(points[0].size, memory_limit)
+        flat = (np.ascontiguousarray(of).reshape(-1) for of in points)
+        samples = self._contact.sample(*flat, options(threads, memory_limit=memory_limit))
+        return samples[number].reshape(points[0].shape)[()]
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every top: the columns of ``pillars.csv``."""

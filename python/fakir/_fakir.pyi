@@ -210,7 +210,7 @@ def fit_friction(
 class Fitted:
     def json(self) -> str: ...
     @property
-    def case(self) -> Case | Flat: ...
+    def case(self) -> Case | Flat | Asperities: ...
     @property
     def load(self) -> str: ...
     @property
@@ -222,7 +222,7 @@ class Fitted:
     def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]: ...
 
 def fit(
-    case: Case | Flat,
+    case: Case | Flat | Asperities,
     data: Data,
     free: Sequence[str],
     instrument: tuple[float | None, float, float, float, float, float],
@@ -238,7 +238,7 @@ class FittedCurves:
     def table(self) -> list[tuple[str, Any]]: ...
 
 def fit_curves(
-    case: Case | Flat,
+    case: Case | Flat | Asperities,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],
@@ -247,7 +247,7 @@ def fit_curves(
     options: Options,
 ) -> FittedCurves: ...
 def fit_jointly(
-    case: Case | Flat,
+    case: Case | Flat | Asperities,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],
@@ -359,6 +359,7 @@ class Asperities:
 @final
 class AsperityContact(Answer):
     def pillars(self) -> list[tuple[str, Any]]: ...
+    def sample(self, x: _Floats, y: _Floats, options: Options) -> list[_Floats]: ...
 
 def press_asperities(
     tops: Asperities, indentation: float | None, force: float | None, options: Options

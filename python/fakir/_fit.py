@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, Union
 import numpy as np
 
 from . import _fakir
+from ._asperities import AsperityArray
 from ._flat import FlatSystem
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, WithUnit, finite
@@ -120,9 +121,11 @@ class Fit(Result):
         return self.parameters[name]
 
     @property
-    def system(self) -> System | FlatSystem:
+    def system(self) -> System | FlatSystem | AsperityArray:
         """The system with the fitted values."""
         case = self._fitted.case
+        if isinstance(case, _fakir.Asperities):
+            return AsperityArray._of(case)
         return FlatSystem._of(case) if isinstance(case, _fakir.Flat) else System._of(case)
 
     @property
@@ -300,7 +303,7 @@ class Fit(Result):
 
 def fit(
     measurements: Measurements,
-    system: System | FlatSystem,
+    system: System | FlatSystem | AsperityArray,
     free: Sequence[str],
     *,
     contact_point: Quantity | None = None,
@@ -339,10 +342,10 @@ def fit(
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
         afmformats (a whole curve, of which approach and retract are used) are accepted, and structured arrays of NumPy.
     system
-        All other quantities: pillars or a flat surface. Its values of the free parameters are the initial values.
+        All other quantities: pillars with flat or rounded tops of a case file, or a flat surface. Its values of the free parameters are the initial values.
     free
-        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``; ``"adhesion.work"`` and
-        ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
+        Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``, of rounded tops
+        ``"pattern.top_radius"``; ``"adhesion.work"`` and ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
         displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``. With a
         relaxation and times ``"relaxation.strengths[0]"``, ``"relaxation.times[0]"`` and those of further terms, up to ``[3]``.
     contact_point
@@ -406,8 +409,12 @@ def fit(
     return result
 
 
-def case_of(system: System | FlatSystem) -> _fakir.Case | _fakir.Flat:
+def case_of(
+    system: System | FlatSystem | AsperityArray,
+) -> _fakir.Case | _fakir.Flat | _fakir.Asperities:
     """The case of a system that can be fitted."""
+    if isinstance(system, AsperityArray):
+        return system._asperities
     return system._flat if isinstance(system, FlatSystem) else system._case
 
 

@@ -20,6 +20,7 @@ from ._fit import (
     prepared,
     written,
 )
+from ._asperities import AsperityArray
 from ._flat import FlatSystem
 from ._format import Row
 from ._quantity import Quantity
@@ -270,7 +271,7 @@ class CurveOptions(TypedDict, total=False):
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem,
+    system: System | FlatSystem | AsperityArray,
     free: Sequence[str],
     *,
     joint: Literal[False] = False,
@@ -279,7 +280,7 @@ def fit_many(
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem,
+    system: System | FlatSystem | AsperityArray,
     free: Sequence[str],
     *,
     joint: Literal[True],
@@ -288,7 +289,7 @@ def fit_many(
 ) -> JointFit: ...
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem,
+    system: System | FlatSystem | AsperityArray,
     free: Sequence[str],
     *,
     joint: bool = False,

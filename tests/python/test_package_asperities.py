@@ -133,6 +133,41 @@ def test_a_second_method():
         tops(adhesion="50 mJ/m2").verify(force="1 mN")
 
 
+def test_fields_of_one_top_are_those_of_hertz():
+    """p = 2 E* a/(pi R) sqrt(1 - (r/a)^2); the gap vanishes in the contact; the limits contain a/R."""
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
+    contact = one.press(indentation="4 um")
+    radius = np.sqrt(526e-6 * 4e-6)
+    modulus = 1.0 / (0.75 / 1.5e6 + (1.0 - 0.22**2) / 70e9)
+    x = radius * np.array([0.0, 0.3, 0.9, 1.1])
+    hertz = 2.0 * modulus * radius / (np.pi * 526e-6) * np.sqrt(np.maximum(1.0 - (x / radius) ** 2, 0.0))
+    assert contact.pressure(x, 0.0) == pytest.approx(hertz, rel=1e-9)
+    assert np.abs(contact.surface_gap(x[:3], 0.0)).max() < 1e-14 < contact.surface_gap(x[3], 0.0)
+    assert contact.displacement(0.0, 0.0) == pytest.approx(4e-6, rel=1e-9)
+    assert contact.pressure(np.zeros((2, 3)), 0.0).shape == (2, 3)
+
+
+def test_a_fit_finds_the_modulus_and_the_curvature(tmp_path):
+    """The data are Hertz's: F = 4/3 E* sqrt(R) zeta^(3/2); zeta is the reading less the contact point."""
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, fakir.Substrate("1 MPa", 0.5))
+    (tmp_path / "case.toml").write_text(one.to_toml())
+    one.to_csv(tmp_path / "pillars.csv")
+    read = fakir.read_case(tmp_path / "case.toml")
+    modulus = 1.0 / (0.75 / 1.5e6 + (1.0 - 0.22**2) / 70e9)
+    depth = np.linspace(-1e-6, 6e-6, 36)
+    force = 4.0 / 3.0 * modulus * np.sqrt(526e-6) * np.maximum(depth, 0.0) ** 1.5
+    data = {"displacement_m": depth + 3e-6, "force_N": force}
+    fitted = fakir.fit(data, read, ["substrate.young_modulus", "contact_point"])
+    assert fitted["substrate.young_modulus"].value == pytest.approx(1.5e6, rel=1e-3)
+    assert fitted["contact_point"].value == pytest.approx(3e-6, abs=5e-9)
+    assert isinstance(fitted.system, fakir.AsperityArray) and fitted.to_dict()["method"] == "rounded tops"
+    assert fitted.system.substrate.young_modulus == fitted["substrate.young_modulus"].value
+    fitted = fakir.fit(data, fitted.system, ["pattern.top_radius", "contact_point"])
+    assert fitted["pattern.top_radius"].value == pytest.approx(526e-6, rel=2e-3)
+    with pytest.raises(ValueError, match="save them with to_toml"):
+        fakir.fit(data, tops(), ["substrate.young_modulus"])
+
+
 def test_what_to_cite_for_rounded_tops():
     keys = [entry.bibtex.split("{")[1].split(",")[0] for entry in fakir.cite(tops())]
     assert "Hertz1882" in keys and "Aymard2024" not in keys

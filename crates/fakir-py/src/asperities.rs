@@ -6,6 +6,7 @@ use crate::error::{
 };
 use crate::load::{load, plan};
 use crate::settings::{BodySettings, by_key, settings};
+use crate::state::{Field, arrays};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::problem::{
@@ -22,6 +23,7 @@ use fakir_study::result::{
     asperity_press, asperity_warnings, json,
 };
 use fakir_study::workshop::Relief;
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -187,6 +189,17 @@ impl Asperities {
         self.case.to_toml()
     }
 
+    /// The case file that describes the same tops.
+    pub(crate) fn file(&self) -> PyResult<CaseFile> {
+        let file = CaseFile::parse(PYTHON, &self.text()).map_err(|error| case_error(&error))?;
+        match file.asperity_case() {
+            Ok(case) if case.field == self.case.field => Ok(file),
+            _ => Err(value_error(
+                "rounded tops are fitted for a case file: save them with to_toml and to_csv, and read the case with fakir.read_case",
+            )),
+        }
+    }
+
     /// The case.
     pub(crate) fn case(&self) -> &AsperityCase {
         &self.case
@@ -214,6 +227,23 @@ impl AsperityContact {
     /// The columns of `pillars.csv`.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
         columns(py, &asperity_pillars(self.answer()))
+    }
+
+    /// Displacement, gap and pressure at points, m from the lens axis.
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        x: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+        options: Options,
+    ) -> PyResult<[Field<'py>; 3]> {
+        let points = x.as_slice()?.iter().zip(y.as_slice()?);
+        let points: Vec<[f64; 2]> = points.map(|(x, y)| [*x, *y]).collect();
+        let fields = self.contact.fields(&self.case.field, self.case.height);
+        let fields = fields.ok_or_else(|| value_error("the contact has no fields"))?;
+        let samples = watched(py, &options, |run| fields.sample(&points, run))?;
+        let samples = samples.map_err(|error| solve_error(&error))?;
+        Ok(arrays(py, samples))
     }
 }
 

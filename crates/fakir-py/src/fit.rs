@@ -1,5 +1,6 @@
 //! Fits of measured curves.
 
+use crate::asperities::Asperities;
 use crate::case::{Case, Described};
 use crate::error::{case_error, fit_error, value_error, warn_of_former_name};
 use crate::flat::Flat;
@@ -208,6 +209,7 @@ impl Fitted {
 pub(crate) enum Fittable<'py> {
     Pillars(PyRef<'py, Case>),
     Flat(PyRef<'py, Flat>),
+    Asperities(PyRef<'py, Asperities>),
 }
 
 impl Fittable<'_> {
@@ -215,6 +217,7 @@ impl Fittable<'_> {
         match self {
             Self::Pillars(case) => case.file(),
             Self::Flat(flat) => Ok(flat.file.clone()),
+            Self::Asperities(asperities) => asperities.file(),
         }
     }
 }

@@ -33,9 +33,7 @@ impl AnyKind<'_> {
         match self {
             Self::Pillars(case) => case.file(),
             Self::Flat(flat) => Ok(flat.file.clone()),
-            Self::Asperities(asperities) => {
-                CaseFile::parse(PYTHON, &asperities.text()).map_err(|error| case_error(&error))
-            }
+            Self::Asperities(asperities) => asperities.file(),
             Self::Surface(surface) => surface.file().cloned().ok_or_else(|| {
                 value_error(
                     "shear stresses are fitted for a height map of a case file: save the heights as a file, and read the case with fakir.read_case",

@@ -23,7 +23,7 @@ pub(crate) struct State {
     state: ContactState,
 }
 
-type Field<'py> = Bound<'py, PyArray1<f64>>;
+pub(crate) type Field<'py> = Bound<'py, PyArray1<f64>>;
 
 #[pymethods]
 impl State {
@@ -103,7 +103,7 @@ impl State {
     }
 }
 
-fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
+pub(crate) fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
     let FieldSamples {
         displacement,
         gap,

@@ -334,6 +334,13 @@ impl Loadable for AsperityCase {
         -self.field.highest()
     }
 
+    fn check_history(&self) -> Result<(), SolveError> {
+        if self.field.adhesion().is_none() {
+            return Ok(());
+        }
+        Ok(Question::Hold.check(Solver::Asperities, &[Feature::AdhesiveTops])?)
+    }
+
     fn state(&self, state: LoadingState<&AsperityContact>) -> Record {
         Record::of(&state.of(AsperityAnswer::of(self, state.answer)))
     }

@@ -483,7 +483,6 @@ fn a_sweep_of_rounded_tops() {
 #[test]
 fn every_other_command_refuses_rounded_tops() {
     let bench = bench();
-    bench.write("data.csv", "indentation_m,force_N\n1e-6,1e-6\n2e-6,3e-6\n");
     bench.write(
         "study.toml",
         &format!("[axes]\n\"pattern.pitch\" = [1e-3, 2e-3]\n{CASE}"),
@@ -499,14 +498,6 @@ fn every_other_command_refuses_rounded_tops() {
         &["theory", "case.toml"][..],
         &["compare", "case.toml"],
         &["design", "case.toml", "--samples", "3"],
-        &[
-            "fit",
-            "data.csv",
-            "--case",
-            "case.toml",
-            "--free",
-            "substrate.young_modulus",
-        ],
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
@@ -607,4 +598,49 @@ fn rounded_tops_are_verified_with_boundary_elements() {
     let untold = bench.run(&["verify", "case.toml"]);
     assert_eq!(untold.status, Some(2), "{}", untold.stderr);
     assert!(untold.stderr.contains("--force"), "{}", untold.stderr);
+}
+
+/// As on flat tops: the edges of a viscoelastic contact dissipate.
+#[test]
+fn a_history_of_adhesive_tops_is_refused() {
+    let bench = bench();
+    let relaxation = [
+        "--set",
+        "relaxation.strengths=[0.5]",
+        "--set",
+        "relaxation.times=[1]",
+    ];
+    let hold = ["hold", "case.toml", "--force", "20mN", "--for", "1s"];
+    let adhesive = ["--set", "adhesion.work=50mJ/m2"];
+    let refused = bench.run(&[&hold[..], &relaxation, &adhesive].concat());
+    assert_eq!(refused.status, Some(2), "{}", refused.stderr);
+    assert!(refused.stderr.contains("dissipate"), "{}", refused.stderr);
+}
+
+/// A modulus from data of `approach`.
+#[test]
+fn a_modulus_is_fitted_to_rounded_tops() {
+    let bench = bench();
+    let loading = [
+        "approach",
+        "case.toml",
+        "--quiet",
+        "--to",
+        "4um",
+        "--step",
+        "0.2um",
+    ];
+    bench.run(&[&loading[..], &["--output", "loading"]].concat());
+    let set = ["--set", "substrate.young_modulus=1MPa"];
+    let fit = [
+        "fit",
+        "loading/approach.csv",
+        "--case",
+        "case.toml",
+        "--free",
+        "substrate.young_modulus",
+    ];
+    let found = bench.json(&[&fit[..], &set].concat());
+    assert_eq!(found["method"], "rounded tops");
+    assert_close(&found["parameters"][0]["value_Pa"], 1.5e6, 1e-3);
 }

@@ -46,6 +46,12 @@ impl Curve {
                 let steps = steps.map(|s| (s.branch, [s.indentation, s.force, s.contact_radius]));
                 Self::through(steps, cycle.plan.drive, compliance)
             }
+            FittedCycle::Asperities(fitted) => {
+                let (_, cycle) = &**fitted;
+                let steps = cycle.load_steps.iter();
+                let steps = steps.map(|s| (s.branch, [s.indentation, s.force, s.contact_radius]));
+                Self::through(steps, cycle.plan.drive, compliance)
+            }
             FittedCycle::Flat(cycle, _) => {
                 let steps = cycle.load_steps.iter();
                 let steps = steps.map(|s| (s.branch, [s.indentation, s.force, s.contact_radius]));

@@ -34,6 +34,12 @@ pub enum FitError {
     /// A parameter that only surfaces with pillars have.
     #[error("{} cannot be fitted: the case has no [pattern], and a flat surface has no such key", .0.name())]
     NotOnFlat(Parameter),
+    /// Contact radii on rounded tops.
+    #[error(
+        "{0} has contact radii, which on rounded tops jump from one top to the next and do not determine a parameter: give \
+         forces and displacements"
+    )]
+    RadiusOfTops(String),
     /// A parameter without an initial value in the case.
     #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
     NotGiven(Parameter),

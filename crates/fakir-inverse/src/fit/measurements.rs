@@ -191,6 +191,20 @@ impl Measurements {
         &mut self.layout
     }
 
+    /// Whether there are contact radii.
+    pub(super) fn has_radii(&self) -> bool {
+        self.rows.iter().any(|row| row.contact_radius.is_some())
+    }
+
+    /// The same without contact radii.
+    pub(super) fn without_radii(&self) -> Self {
+        let mut without = self.clone();
+        for row in &mut without.rows {
+            row.contact_radius = None;
+        }
+        without
+    }
+
     pub(super) fn replace_rows(&mut self, rows: Vec<Measurement>) {
         self.rows = rows;
     }

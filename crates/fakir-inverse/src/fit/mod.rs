@@ -114,6 +114,7 @@ use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
 use sampled::{Purpose, Sampled, Tolerance};
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+use std::borrow::Cow;
 use std::cell::{Cell as StdCell, OnceCell};
 use std::collections::BTreeSet;
 use std::convert::Infallible;
@@ -309,6 +310,8 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// Whether the rows are the history of viscoelastic bodies.
     pub is_viscoelastic: bool,
+    /// Whether the data have contact radii that were left out: on rounded tops, where they jump.
+    pub radii_left_out: bool,
     /// The case with the fitted values.
     pub file: CaseFile,
     /// Limits of the model in the contact under the largest load used, with the fitted values; `None` without such a contact.
@@ -394,11 +397,18 @@ fn fit_with(
     direct: usize,
 ) -> Result<Fit, FitError> {
     file.check_surface(&[Question::Fit])?;
+    // Those of the program's own tables, and of instruments that measure both.
+    let leaves_radii = file.is_rounded() && data.position() != Position::None && data.has_radii();
+    let data = &match leaves_radii {
+        true => Cow::Owned(data.without_radii()),
+        false => Cow::Borrowed(data),
+    };
     check(file, data, free, options)?;
     let model = Model::new(file, data, free, options, run)?;
     let (search, termination, starts) = model.best(options, run, direct)?;
     let mut fitted = search.answer(termination)?;
     fitted.starts = starts;
+    fitted.radii_left_out = leaves_radii;
     Ok(fitted)
 }
 
@@ -485,6 +495,9 @@ fn check(
 ) -> Result<(), FitError> {
     data.check_errors()?;
     data.check_branches()?;
+    if file.is_rounded() && data.has_radii() {
+        return Err(FitError::RadiusOfTops(data.name().to_owned()));
+    }
     if free.is_empty() {
         return Err(FitError::NothingFree);
     }
@@ -520,8 +533,9 @@ fn check(
                 parameter: *parameter,
             });
         }
-        // On a flat surface the lens is pulled from the first contact on, and adhesion shows on loading too.
-        let shows_on_loading = file.is_flat() && *parameter == Parameter::Key(Key::WorkOfAdhesion);
+        // On a flat surface and on rounded tops the lens is pulled from the first contact on, and adhesion shows on loading too.
+        let shows_on_loading = (file.is_flat() || file.is_rounded())
+            && *parameter == Parameter::Key(Key::WorkOfAdhesion);
         if parameter.is_work() && !shows_on_loading && !data.branches().contains(&Branch::Unloading)
         {
             return Err(FitError::NoUnloading {
@@ -1168,10 +1182,12 @@ impl<'a> Search<'a> {
                 matches!(key, Key::SubstrateYoungModulus | Key::LensYoungModulus)
             }
             _ if parameter.is_of_relaxation() => self.model.is_viscoelastic,
-            // On pillars with adhesion there are no layers.
+            // On rounded tops, and on pillars with adhesion, there are no layers.
             Parameter::Key(_) if parameter.is_thickness() => {
-                !self.model.is_adhesive || self.model.is_flat()
+                !self.model.is_rounded() && (!self.model.is_adhesive || self.model.is_flat())
             }
+            Parameter::Key(Key::TopRadius) => self.model.is_rounded(),
+            Parameter::Key(key) if self.model.is_rounded() => self.model.is_given(*key),
             Parameter::Key(_) => true,
             // A tilted base line is rare, and mistaken for other parameters.
             Parameter::ForceSlope => false,
@@ -1450,6 +1466,7 @@ impl<'a> Search<'a> {
             method: settings.case.method_name(),
             pull_off,
             is_viscoelastic: self.model.is_viscoelastic,
+            radii_left_out: false,
             file: self.model.file(&self.unknowns),
             termination,
             iterations: self.earlier_iterations + self.iterations,
@@ -1673,7 +1690,7 @@ impl<'a> Search<'a> {
     /// Estimated interpolation errors of force and contact radius of every row; `None` if all rows were solved.
     fn interpolation_errors(&self) -> Result<Option<Vec<[f64; 2]>>, FitError> {
         let tolerance = self.tolerance();
-        if self.model.is_viscoelastic {
+        if self.model.is_viscoelastic || self.model.uses_curve() {
             let settings = self.model.settings(&self.unknowns)?;
             let error = self.model.error_over_time(&settings)?;
             let forces = self.states.iter().map(|state| state.force);

@@ -12,12 +12,15 @@ use super::radius::smooth_radius;
 use super::subject::{FittedCycle, Subject, some};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
+use fakir::numerics::roots;
 use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, Relaxation, UnloadingPoint};
+use fakir::solve::elastic_curve::ElasticCurve;
 use fakir::solve::viscoelastic::{MeasuredBy, MeasuredLoad, measured_history};
 use fakir::state::{
     Branch, ContactState, Gradient, LARGEST_ERROR, Limit, Run, Solution, SolveError,
 };
 use fakir_case::{Case, CaseFile, FlatCase, Key};
+use fakir_study::approach::Loadable;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -170,11 +173,11 @@ impl Settings {
     /// The case with pillars.
     ///
     /// # Errors
-    /// A flat surface has none; it is not interpolated.
+    /// A flat surface and rounded tops have none; their states are not interpolated between rows.
     pub(super) fn pillars(&self) -> Result<&Case, FitError> {
         match &self.case {
             Subject::Pillars(case) => Ok(case),
-            Subject::Flat(_) => Err(FitError::NoDerivatives),
+            Subject::Asperities(_) | Subject::Flat(_) => Err(FitError::NoDerivatives),
         }
     }
 
@@ -397,6 +400,26 @@ impl<'a> Model<'a> {
         matches!(self.start.case, Subject::Flat(_))
     }
 
+    /// Whether there are pillars with flat tops.
+    pub(super) fn has_pillars(&self) -> bool {
+        self.start.case.has_pillars()
+    }
+
+    /// Whether pillar tops are rounded.
+    pub(super) fn is_rounded(&self) -> bool {
+        matches!(self.start.case, Subject::Asperities(_))
+    }
+
+    /// Whether all states are on one elastic curve.
+    pub(super) fn uses_curve(&self) -> bool {
+        self.is_rounded() && !self.is_adhesive && !self.is_viscoelastic
+    }
+
+    /// Whether a key has a value in the case.
+    pub(super) fn is_given(&self, key: Key) -> bool {
+        self.start.case.has(key)
+    }
+
     /// Gives a free parameter, by its number, the unknown that it has in another model.
     pub(super) fn scale_as(&mut self, other: &Model<'_>, number: usize) {
         self.scales[number] = other.scales[number];
@@ -404,7 +427,7 @@ impl<'a> Model<'a> {
 
     /// Whether it is the thickness of a half-space.
     pub(super) fn is_infinite(&self, parameter: Parameter) -> bool {
-        matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && self.start.case.setting(key).is_none())
+        matches!(parameter, Parameter::Key(key) if parameter.is_thickness() && !self.start.case.has(key))
     }
 
     /// Contact radius of the row with the largest load, m; computed once for this model and those made from it, since it is only a scale.
@@ -783,6 +806,9 @@ impl<'a> Model<'a> {
         if let Subject::Flat(case) = &settings.case {
             return self.states_on_flat(case, &settings);
         }
+        if self.uses_curve() {
+            return self.states_on_curve(&settings);
+        }
         if self.is_adhesive {
             return self.states_of_cycle(&settings, stretch * self.load_range());
         }
@@ -813,7 +839,10 @@ impl<'a> Model<'a> {
         let loads: Vec<MeasuredLoad> = loads.collect();
         History {
             by,
-            largest: loads.iter().map(|load| load.load).fold(0.0, larger),
+            largest: loads
+                .iter()
+                .map(|load| load.load)
+                .fold(f64::NEG_INFINITY, larger),
             loads,
         }
     }
@@ -824,7 +853,11 @@ impl<'a> Model<'a> {
         settings: &Settings,
         &History { by, largest, .. }: &History,
     ) -> Result<Option<CaseCurve>, FitError> {
-        if largest <= 0.0 {
+        let touch = match by {
+            MeasuredBy::Force => 0.0,
+            MeasuredBy::Position { .. } => settings.case.first_touch(),
+        };
+        if largest <= touch {
             return Ok(None);
         }
         let reach = match by {
@@ -901,7 +934,76 @@ impl<'a> Model<'a> {
         Ok(states.collect())
     }
 
-    /// Estimated relative error of the forces of viscoelastic bodies, due to the interpolation of the elastic curve and to its contacts.
+    /// The elastic states on one curve, also on unloading. If contacts merge within the measured loads, the curve ends there, and the rows beyond
+    /// are outside of the model.
+    fn states_on_curve(&self, settings: &Settings) -> Result<Vec<State>, FitError> {
+        /// Relative step of the depth for slopes, and fraction of the depth at which contacts merge that is used.
+        const STEP: f64 = 1e-3;
+        const BEFORE: f64 = 0.995;
+        let measured = self.history(settings);
+        let touch = settings.case.first_touch();
+        let (curve, end) = match self.curve_over_time(settings, &measured) {
+            Ok(Some(curve)) => (curve, None),
+            Ok(None) => {
+                let without = |load: &MeasuredLoad| State::without_contact(load.load);
+                return Ok(measured.loads.iter().map(without).collect());
+            }
+            Err(FitError::Solve(SolveError::ContactsMerge { indentation, .. }))
+                if indentation > touch =>
+            {
+                let last = touch + BEFORE * (indentation - touch);
+                let reach = Reach::Indentation(last);
+                let curve = self
+                    .curves
+                    .of(&settings.case, reach, &self.single, &self.solved)?;
+                let problem = format!(
+                    "the contacts of neighbouring tops merge at an indentation of about {indentation:.4e} m"
+                );
+                (curve, Some((last, problem)))
+            }
+            Err(error) => return Err(error),
+        };
+        let elastic = &curve.elastic;
+        let compliance = settings.compliance(self.data.position());
+        let state = |((row, moment), load): ((&Measurement, &f64), &MeasuredLoad)| {
+            let load = load.load;
+            let indentation = match measured.by {
+                MeasuredBy::Force => elastic.indentation_at(load),
+                MeasuredBy::Position { .. } => {
+                    balanced(elastic, compliance, load).ok_or(FitError::NoBalance {
+                        compliance,
+                        reading: load,
+                    })?
+                }
+            };
+            if let Some((_, problem)) = end.as_ref().filter(|(last, _)| indentation > *last) {
+                return Ok(State {
+                    problem: Some(problem.clone()),
+                    ..State::without_contact(f64::NAN)
+                });
+            }
+            let depth = indentation - elastic.first_touch();
+            let force = elastic.force_at(indentation);
+            let [below, above] =
+                [-STEP, STEP].map(|step| elastic.force_at(indentation + step * depth));
+            let stiffness = if depth > 0.0 {
+                (above - below) / (2.0 * STEP * depth)
+            } else {
+                0.0
+            };
+            Ok(State {
+                force,
+                read_force: force + settings.base_line(*moment, self.travel(row)),
+                slopes: [stiffness / (1.0 + compliance * stiffness), 0.0],
+                converged: curve.converged,
+                ..State::without_contact(indentation)
+            })
+        };
+        let rows = self.data.rows().iter().zip(&self.moments);
+        rows.zip(&measured.loads).map(state).collect()
+    }
+
+    /// Estimated relative error of the forces of viscoelastic bodies and on rounded tops, due to the interpolation of the elastic curve and to its contacts.
     pub(super) fn error_over_time(&self, settings: &Settings) -> Result<f64, FitError> {
         let curve = self.curve_over_time(settings, &self.history(settings))?;
         Ok(curve.map_or(0.0, |curve| curve.elastic.error()))
@@ -921,7 +1023,11 @@ impl<'a> Model<'a> {
     ) -> Result<Option<(Curve, FittedCycle)>, FitError> {
         let position = self.data.position();
         let largest = self.largest_load(settings);
-        if largest <= 0.0 {
+        let touch = match position {
+            Position::None => 0.0,
+            _ => settings.case.first_touch(),
+        };
+        if largest <= touch {
             return Ok(None);
         }
         let compliance = settings.compliance(self.data.position());
@@ -1182,14 +1288,16 @@ impl<'a> Model<'a> {
         let target = settings.load(position, reading, moment);
         let compliance = settings.compliance(self.data.position());
         let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
-        if compliance == 0.0 || target <= 0.0 {
+        let touch = settings.case.first_touch();
+        let depth = target - touch;
+        if compliance == 0.0 || depth <= 0.0 {
             return Ok(solve(target)?);
         }
         let excess = |state: &State| state.indentation + compliance * state.force - target;
-        let met = |state: &State| within(excess(state).abs(), BALANCE * target);
+        let met = |state: &State| within(excess(state).abs(), BALANCE * depth);
         let mut last = solve(clamped(
             target - compliance * likely_force,
-            0.1 * target,
+            touch + 0.1 * depth,
             target,
         ))?;
         let mut state = solve(target - compliance * last.force)?;
@@ -1218,7 +1326,7 @@ impl<'a> Model<'a> {
 
     pub(super) fn solve(&self, case: &Subject, load: Load) -> Result<State, SolveError> {
         if let Load::Indentation(zeta) = load
-            && zeta <= 0.0
+            && zeta <= case.first_touch()
         {
             return Ok(State {
                 smallest_floor_gap: case.gap_before_contact(zeta),
@@ -1236,6 +1344,19 @@ impl<'a> Model<'a> {
                     smallest_floor_gap: Some(contact.smallest_floor_gap),
                     past_transition: contact.smallest_floor_gap < 0.0,
                     converged: self.is_known(&contact),
+                    ..State::without_contact(contact.indentation)
+                })
+            }
+            Subject::Asperities(tops) => {
+                self.solved.fetch_add(1, Ordering::Relaxed);
+                let contact = Loadable::press(&tops.case, load, &self.single)?;
+                let radius = contact.contact_radius.unwrap_or(0.0);
+                Ok(State {
+                    force: contact.force,
+                    read_force: contact.force,
+                    contact_radius: radius,
+                    smooth_radius: radius,
+                    converged: contact.is_answer(),
                     ..State::without_contact(contact.indentation)
                 })
             }
@@ -1555,11 +1676,37 @@ impl<'a> Model<'a> {
     }
 }
 
+/// The indentation at which it and the machine take a position together, `zeta + C F(zeta) = position`; `None` if there is none.
+fn balanced(elastic: &ElasticCurve, compliance: f64, position: f64) -> Option<f64> {
+    let touch = elastic.first_touch();
+    if compliance == 0.0 || position <= touch {
+        return Some(position);
+    }
+    let excess =
+        |indentation: f64| indentation + compliance * elastic.force_at(indentation) - position;
+    let point = |position: f64| roots::Point {
+        position,
+        value: excess(position),
+    };
+    // A negative compliance moves the lens further than it was measured.
+    let far = if compliance > 0.0 {
+        position
+    } else {
+        larger(elastic.last(), position)
+    };
+    let ends = [point(touch), point(far)];
+    let off = |indentation: f64| Ok::<_, std::convert::Infallible>(excess(indentation));
+    match roots::find(ends, 0.0, off) {
+        Ok(Some(root)) => Some(root.closest().position),
+        _ => None,
+    }
+}
+
 /// The history of the measured loads.
 struct History {
     by: MeasuredBy,
     loads: Vec<MeasuredLoad>,
-    /// The largest load, N or m; zero if there is none.
+    /// The largest load, N or m.
     largest: f64,
 }
 

@@ -1,6 +1,6 @@
-//! Elastic loading curves for fits of viscoelastic bodies.
+//! Elastic loading curves for fits of viscoelastic bodies, and of rounded tops.
 //!
-//! The contact of viscoelastic bodies at any history follows from the elastic loading curve. If all moduli are multiplied by a factor, so are the
+//! The contact of viscoelastic bodies at any history follows from the elastic loading curve, as the elastic contact with rounded tops does. If all moduli are multiplied by a factor, so are the
 //! forces at given indentations. Therefore one curve, in units of the reduced modulus, is used for all moduli, strengths and relaxation times of a
 //! fit; another is computed where a size changes, or the ratio of moduli.
 
@@ -58,8 +58,9 @@ pub(super) struct Curves {
 }
 
 /// Sizes on which a contact depends, of the keys that can be fitted.
-const SIZES: [Key; 8] = [
+const SIZES: [Key; 9] = [
     Key::LensRadius,
+    Key::TopRadius,
     Key::SubstrateThickness,
     Key::LensThickness,
     Key::PillarHeight,
@@ -77,7 +78,7 @@ fn ratios(subject: &Subject) -> Vec<Option<f64>> {
     let matters = [
         (
             Key::SubstrateYoungModulus,
-            substrate || subject.has_pillars(),
+            substrate || subject.has_columns(),
         ),
         (Key::SubstrateBaseYoungModulus, substrate),
         (Key::LensYoungModulus, lens),
@@ -138,6 +139,9 @@ impl Curves {
                     Subject::Pillars(case) => sampled(&**case, reach, run, solved, |contact| {
                         contact.smallest_floor_gap
                     }),
+                    Subject::Asperities(tops) => {
+                        sampled(&tops.case, reach, run, solved, |_| f64::INFINITY)
+                    }
                     Subject::Flat(case) => sampled(&**case, reach, run, solved, |_| f64::INFINITY),
                 }?;
                 let entry = Arc::new(Entry {

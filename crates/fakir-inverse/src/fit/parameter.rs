@@ -42,7 +42,7 @@ const TIMES: [&str; 4] = [
 
 impl Parameter {
     /// All parameters that can be fitted.
-    pub const ALL: [Self; 26] = [
+    pub const ALL: [Self; 27] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -50,6 +50,7 @@ impl Parameter {
         Self::Key(Key::LensThickness),
         Self::Key(Key::PillarHeight),
         Self::Key(Key::PillarDiameter),
+        Self::Key(Key::TopRadius),
         Self::Key(Key::Pitch),
         Self::Key(Key::Offset),
         Self::Key(Key::OffsetAngle),
@@ -204,7 +205,7 @@ impl Parameter {
         )
     }
 
-    /// Whether it is a work of adhesion, which can be determined only from unloading.
+    /// Whether it is a work of adhesion, which on pillars with flat tops can be determined only from unloading.
     pub(super) fn is_work(self) -> bool {
         matches!(
             self,

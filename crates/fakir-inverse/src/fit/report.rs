@@ -85,6 +85,12 @@ impl Fit {
                 .as_ref()
                 .map_or(Vec::new(), FittedCycle::warnings),
         );
+        if self.radii_left_out {
+            warnings.push(
+                "contact radii are left out: on rounded tops they jump from one top to the next"
+                    .to_owned(),
+            );
+        }
         let unsolved: Vec<u64> = self
             .rows
             .iter()

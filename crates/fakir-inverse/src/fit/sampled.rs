@@ -151,7 +151,7 @@ impl Sampled {
         rows.len() > direct
             && !model.is_adhesive
             && !model.is_viscoelastic
-            && !model.is_flat()
+            && model.has_pillars()
             && rows.iter().all(|row| row.position.is_some() != by_force)
             && rows.iter().all(|row| !by_force || row.force.is_some())
     }

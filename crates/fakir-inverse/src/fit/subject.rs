@@ -1,23 +1,38 @@
-//! What a fit presses a lens on: pillars or a flat surface.
+//! What a fit presses a lens on: pillars with flat or rounded tops, or a flat surface.
 
 use super::error::FitError;
+use super::parameter::Parameter;
 use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load};
-use fakir::state::{Cycle, FlatCycle, Limit, Run, SolveError};
-use fakir_case::{Case, CaseError, CaseFile, FlatCase, Key, Setting};
+use fakir::state::{AsperityCycle, Cycle, FlatCycle, Limit, Run, SolveError};
+use fakir_case::{AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting};
 use fakir_study::approach::Loadable;
-use fakir_study::result::cycle_warnings;
+use fakir_study::result::{asperity_cycle_warnings, cycle_warnings};
 
 /// A case that can be fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Subject {
     Pillars(Box<Case>),
+    Asperities(Box<Tops>),
     Flat(Box<FlatCase>),
+}
+
+/// Pillars with rounded tops.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tops {
+    pub(super) case: AsperityCase,
+    /// Numbers of the keys that are given, in SI units.
+    numbers: Vec<(Key, f64)>,
 }
 
 impl Subject {
     pub(super) fn of(file: &CaseFile) -> Result<Self, CaseError> {
         Ok(if file.is_flat() {
             Self::Flat(Box::new(file.flat_case()?))
+        } else if file.is_rounded() {
+            Self::Asperities(Box::new(Tops {
+                case: file.asperity_case()?,
+                numbers: numbers(file)?,
+            }))
         } else {
             Self::Pillars(Box::new(file.case()?))
         })
@@ -27,18 +42,41 @@ impl Subject {
     pub(super) fn reduced_modulus(&self) -> f64 {
         match self {
             Self::Pillars(case) => case.system.reduced_modulus(),
+            Self::Asperities(tops) => tops.case.field.reduced_modulus(),
             Self::Flat(case) => case.system.reduced_modulus(),
         }
     }
 
+    /// Whether there are pillars with flat tops.
     pub(super) fn has_pillars(&self) -> bool {
         matches!(self, Self::Pillars(_))
+    }
+
+    /// Whether the modulus of the substrate matters besides the reduced modulus: for columns.
+    pub(super) fn has_columns(&self) -> bool {
+        match self {
+            Self::Pillars(_) => true,
+            Self::Asperities(tops) => {
+                let mut asperities = tops.case.field.asperities().iter();
+                asperities.any(|asperity| asperity.column_compliance > 0.0)
+            }
+            Self::Flat(_) => false,
+        }
+    }
+
+    /// Indentation below which nothing is touched, m.
+    pub(super) fn first_touch(&self) -> f64 {
+        match self {
+            Self::Pillars(_) | Self::Flat(_) => 0.0,
+            Self::Asperities(tops) => tops.case.field.first_touch(),
+        }
     }
 
     /// Refuses histories of viscoelastic bodies that are not supported: those with adhesion.
     pub(super) fn check_history(&self) -> Result<(), SolveError> {
         match self {
             Self::Pillars(case) => case.check_history(),
+            Self::Asperities(tops) => tops.case.check_history(),
             Self::Flat(case) => case.check_history(),
         }
     }
@@ -47,14 +85,17 @@ impl Subject {
     pub(super) fn method_name(&self) -> &'static str {
         match self {
             Self::Pillars(case) => case.method.name(),
+            Self::Asperities(_) => "rounded tops",
             Self::Flat(_) => "flat",
         }
     }
 
-    pub(super) fn setting(&self, key: Key) -> Option<Setting> {
+    /// Whether a key has a value.
+    pub(super) fn has(&self, key: Key) -> bool {
         match self {
-            Self::Pillars(case) => case.setting(key),
-            Self::Flat(case) => case.setting(key),
+            Self::Pillars(case) => case.setting(key).is_some(),
+            Self::Asperities(_) => self.number(key).is_some(),
+            Self::Flat(case) => case.setting(key).is_some(),
         }
     }
 
@@ -62,6 +103,12 @@ impl Subject {
     pub(super) fn number(&self, key: Key) -> Option<f64> {
         match self {
             Self::Pillars(case) => case.number(key),
+            Self::Asperities(tops) => {
+                let mut numbers = tops.numbers.iter();
+                numbers
+                    .find(|(given, _)| *given == key)
+                    .map(|(_, value)| *value)
+            }
             Self::Flat(case) => match case.setting(key) {
                 Some(Setting::Number(value)) => Some(value).filter(|value| value.is_finite()),
                 _ => None,
@@ -72,6 +119,7 @@ impl Subject {
     pub(super) fn adhesion(&self) -> Adhesion {
         match self {
             Self::Pillars(case) => case.system.adhesion(),
+            Self::Asperities(tops) => tops.case.field.adhesion(),
             Self::Flat(case) => case.system.adhesion(),
         }
     }
@@ -80,6 +128,7 @@ impl Subject {
     pub(super) fn half_pitch(&self) -> f64 {
         match self {
             Self::Pillars(case) => 0.5 * case.system.pitch(),
+            Self::Asperities(tops) => 0.5 * tops.spacing(),
             Self::Flat(_) => 0.0,
         }
     }
@@ -88,6 +137,7 @@ impl Subject {
     pub(super) fn least_radius(&self) -> f64 {
         match self {
             Self::Pillars(case) => 0.5 * case.system.pillar().diameter,
+            Self::Asperities(_) => 1e-3 * self.number(Key::TopRadius).unwrap_or(1e-3),
             Self::Flat(_) => 1e-3 * self.number(Key::LensRadius).unwrap_or(1e-3),
         }
     }
@@ -96,7 +146,7 @@ impl Subject {
     pub(super) fn gap_before_contact(&self, indentation: f64) -> Option<f64> {
         match self {
             Self::Pillars(case) => Some(case.system.pillar().height - indentation),
-            Self::Flat(_) => None,
+            Self::Asperities(_) | Self::Flat(_) => None,
         }
     }
 
@@ -104,6 +154,12 @@ impl Subject {
     pub(super) fn limits(&self, load: Load, run: &Run<'_>) -> Result<Vec<Limit>, FitError> {
         Ok(match self {
             Self::Pillars(case) => fakir::press(&case.system, load, case.method, run)?.limits(None),
+            Self::Asperities(tops) => {
+                let AsperityCase {
+                    field, accuracy, ..
+                } = &tops.case;
+                field.press(load, *accuracy, run)?.limits(field, None)
+            }
             Self::Flat(case) => case.system.press(load, run)?.limits(&case.system, None),
         })
     }
@@ -121,6 +177,16 @@ impl Subject {
                 let cycle = fakir::cycle(&system, plan, case.method, run)?;
                 FittedCycle::Pillars(Box::new(cycle))
             }
+            Self::Asperities(tops) => {
+                let mut case = tops.case.clone();
+                let adhesion = some(self.adhesion());
+                case.field = case
+                    .field
+                    .with_adhesion(adhesion)
+                    .map_err(SolveError::from)?;
+                let cycle = case.field.cycle(plan, case.accuracy, run)?;
+                FittedCycle::Asperities(Box::new((case, cycle)))
+            }
             Self::Flat(case) => {
                 let system = case.system.clone().with_adhesion(some(self.adhesion()));
                 let system = system.map_err(SolveError::from)?;
@@ -132,7 +198,33 @@ impl Subject {
     }
 }
 
-/// Name of the method of fits with a case: that of a method for pillars, or `flat`.
+/// The finite numbers of a file among the keys that can be fitted.
+fn numbers(file: &CaseFile) -> Result<Vec<(Key, f64)>, CaseError> {
+    let mut numbers = Vec::new();
+    for parameter in Parameter::ALL {
+        if let Parameter::Key(key) = parameter
+            && let Some(value) = file.given(key)?.filter(|value| value.is_finite())
+        {
+            numbers.push((key, value));
+        }
+    }
+    Ok(numbers)
+}
+
+impl Tops {
+    /// Smallest distance of neighbouring tops, m; 0 of a single one.
+    fn spacing(&self) -> f64 {
+        let asperities = self.case.field.asperities();
+        let places = asperities.iter().enumerate();
+        let distances = places.flat_map(|(place, one)| {
+            let others = asperities[place + 1..].iter();
+            others.map(|other| (one.apex[0] - other.apex[0]).hypot(one.apex[1] - other.apex[1]))
+        });
+        distances.reduce(f64::min).unwrap_or(0.0)
+    }
+}
+
+/// Name of the method of fits with a case: that of a method for pillars, `rounded tops` or `flat`.
 ///
 /// # Errors
 /// [`CaseError`] for an invalid case.
@@ -154,6 +246,8 @@ pub(super) fn some(adhesion: Adhesion) -> Adhesion {
 pub enum FittedCycle {
     /// On pillars.
     Pillars(Box<Cycle>),
+    /// On rounded tops, with their case.
+    Asperities(Box<(AsperityCase, AsperityCycle)>),
     /// On a flat surface, and the limits of the model at the end of the loading.
     Flat(Box<FlatCycle>, Vec<Limit>),
 }
@@ -167,6 +261,7 @@ impl FittedCycle {
                 let force = cycle.pull_off.as_ref()?.force;
                 Some([force, cycle.errors.pull_off_force.model()])
             }
+            Self::Asperities(fitted) => Some([fitted.1.pull_off.as_ref()?.force, 0.0]),
             Self::Flat(cycle, _) => Some([cycle.pull_off.as_ref()?.force, 0.0]),
         }
     }
@@ -176,6 +271,7 @@ impl FittedCycle {
     pub fn converged(&self) -> bool {
         match self {
             Self::Pillars(cycle) => cycle.converged(),
+            Self::Asperities(fitted) => fitted.1.converged(),
             Self::Flat(cycle, _) => cycle.converged(),
         }
     }
@@ -185,6 +281,7 @@ impl FittedCycle {
     pub fn limits(&self) -> Vec<Limit> {
         match self {
             Self::Pillars(cycle) => cycle.turn.limits(None),
+            Self::Asperities(fitted) => fitted.1.turn.limits(&fitted.0.field, None),
             Self::Flat(_, limits) => limits.clone(),
         }
     }
@@ -194,7 +291,7 @@ impl FittedCycle {
     pub fn critical_indentation(&self) -> Option<f64> {
         match self {
             Self::Pillars(cycle) => Some(cycle.critical.as_ref()?.contact.indentation),
-            Self::Flat(..) => None,
+            Self::Asperities(_) | Self::Flat(..) => None,
         }
     }
 
@@ -203,6 +300,7 @@ impl FittedCycle {
     pub fn warnings(&self) -> Vec<String> {
         match self {
             Self::Pillars(cycle) => cycle_warnings(cycle),
+            Self::Asperities(fitted) => asperity_cycle_warnings(&fitted.0, &fitted.1),
             Self::Flat(cycle, _) => {
                 let warnings = cycle.turn.warnings.iter().map(ToString::to_string);
                 let unresolved = cycle.unresolved().map(|it| it.to_string());

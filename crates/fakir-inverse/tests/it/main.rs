@@ -10,3 +10,4 @@ mod flat;
 mod heights;
 mod measurements;
 mod over_time;
+mod rounded;

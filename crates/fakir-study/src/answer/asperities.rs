@@ -4,6 +4,7 @@ use super::cycle::{certificate_words, change_columns, changes};
 use super::kind::{Context, Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Request, Running};
 use crate::citations::Topic;
+use crate::fields::FieldMap;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::Provenance;
@@ -106,7 +107,7 @@ impl Kind for AsperityCase {
     }
 
     fn limits(&self, contact: &AsperityContact, range: Option<f64>) -> Option<Vec<Limit>> {
-        range.map(|_| contact.limits(&self.field, range))
+        Some(contact.limits(&self.field, range))
     }
 
     fn left_out(&self, contact: &AsperityContact) -> Option<&'static str> {
@@ -203,13 +204,17 @@ impl Kind for AsperityCase {
     fn files(
         &self,
         found: &Reached<AsperityContact>,
-        _: Option<usize>,
+        points: Option<usize>,
         provenance: &Provenance,
-        _: &Running<'_>,
+        running: &Running<'_>,
     ) -> Result<Saved, AnswerError> {
         let contact = found.contact();
         let table = asperity_pillars(AsperityAnswer::of(self, contact));
         let mut files = Vec::from_iter(table.some_csv("pillars.csv"));
+        (running.next)("fields");
+        if let Some(map) = FieldMap::of_asperities(self, contact, points, &running.run)? {
+            files.extend(map.files(provenance));
+        }
         files.extend(saved(asperity_map(&self.field, contact), provenance));
         Ok(Saved {
             files,
@@ -256,8 +261,7 @@ impl Found<AsperityCase> for AsperityCycle {
     }
 
     fn limits(&self, of: &Context<'_, AsperityCase>) -> Vec<Limit> {
-        let range = of.details.range;
-        range.map_or(Vec::new(), |_| self.turn.limits(&of.case.field, range))
+        self.turn.limits(&of.case.field, of.details.range)
     }
 
     fn warnings(
@@ -384,10 +388,8 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
             "relative difference from the dissipation of all events",
         );
     }
-    let range = of.details.range;
-    if range.is_some() {
-        list.limits(&turn.limits(&of.case.field, range));
-    }
+    let limits = turn.limits(&of.case.field, of.details.range);
+    list.range(&limits).model(&limits);
     list.row(
         "load steps",
         cycle.load_steps.len().to_string(),

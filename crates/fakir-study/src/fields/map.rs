@@ -1,7 +1,8 @@
 //! Fields of a contact on a regular grid.
 
 use fakir::problem::{Indenter, Point, SurfaceSystem};
-use fakir::state::{ContactState, FieldSamples, Run, SolveError, SurfaceContact};
+use fakir::state::{AsperityContact, ContactState, FieldSamples, Run, SolveError, SurfaceContact};
+use fakir_case::AsperityCase;
 
 /// Largest number of points across: three fields of this number squared take 100 MB.
 pub const MOST_POINTS: usize = 2048;
@@ -150,6 +151,69 @@ impl FieldMap {
         }))
     }
 
+    /// The fields of a contact with rounded tops, on a square that contains all tops. `points` across; by default 12 across the largest contact,
+    /// but at most as many as take about a second. `None` for a contact of another case.
+    ///
+    /// # Errors
+    /// As [`of_contact`](Self::of_contact).
+    ///
+    /// # Panics
+    /// If fewer than two points are requested.
+    pub fn of_asperities(
+        case: &AsperityCase,
+        contact: &AsperityContact,
+        points: Option<usize>,
+        run: &Run<'_>,
+    ) -> Result<Option<Self>, SolveError> {
+        let Some(fields) = contact.fields(&case.field, case.height) else {
+            return Ok(None);
+        };
+        let [x, y] = axes_around(case, contact, points);
+        Self::check_memory([x.count, y.count], run)?;
+        let (along_x, along_y) = (x.coordinates(), y.coordinates());
+        let samples = fields.on_grid(&along_x, &along_y, run)?;
+        let on_top = positions(&along_x, &along_y).map(|at| fields.is_on_top(at).into());
+        let numbers = |name, unit, long_name, comment: &str, values| Variable {
+            name,
+            long_name,
+            comment: comment.to_owned(),
+            values: Values::Numbers(unit, values),
+        };
+        let variables = vec![
+            numbers(
+                "pressure",
+                "Pa",
+                "contact pressure",
+                "The mean of 16 points in the cell around each point, half a spacing each way. The sum over points times the area of a cell is \
+                 about the force.",
+                samples.pressure,
+            ),
+            numbers(
+                "gap",
+                "m",
+                "gap between the lens and the surface below it",
+                "To the top where there is one, to the floor elsewhere, which is not touched.",
+                samples.gap,
+            ),
+            numbers(
+                "displacement",
+                "m",
+                "by how much the pressure has moved the two surfaces apart",
+                "Sum over both bodies, without the shortening of the pillars.",
+                samples.displacement,
+            ),
+            on_pillar_variable(on_top.collect()),
+        ];
+        Ok(Some(Self {
+            x,
+            y,
+            force: contact.force,
+            indentation: contact.indentation,
+            around_axis: case.field.indenter().lens().is_some(),
+            variables,
+        }))
+    }
+
     /// Returns an error if a map with these numbers of points, and its files, exceed the memory limit.
     ///
     /// # Errors
@@ -224,6 +288,55 @@ impl FieldMap {
             variables,
         })
     }
+}
+
+/// Both axes of a map of rounded tops, with the same spacing.
+fn axes_around(case: &AsperityCase, contact: &AsperityContact, points: Option<usize>) -> [Axis; 2] {
+    /// Evaluations of a contact at a point in about a second.
+    const IN_A_SECOND: f64 = 4e6;
+    let states = || case.field.asperities().iter().zip(&contact.asperities);
+    let widest = states().map(|(_, state)| state.radius).fold(0.0, f64::max);
+    let own = states().map(|(asperity, _)| asperity.rim_radius.unwrap_or(0.0));
+    let own = own.fold(widest, f64::max);
+    let ends = |axis: usize| {
+        let places = states().map(|(asperity, _)| asperity.apex[axis]);
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(x), high.max(x)]
+        })
+    };
+    let spans = [ends(0), ends(1)];
+    let half_width = spans
+        .iter()
+        .map(|[low, high]| 0.5 * (high - low))
+        .fold(0.0, f64::max);
+    let around = own.max(0.1 * half_width);
+    // A single top that is not touched.
+    let around = if around > 0.0 {
+        around
+    } else {
+        0.1 * case.height
+    };
+    let half_width = half_width + 1.5 * around;
+    let usual = || {
+        let touched = contact.touched().max(1) as f64;
+        let affordable = (IN_A_SECOND / touched).sqrt();
+        let fine = if widest > 0.0 {
+            POINTS_PER_DIAMETER * half_width / widest
+        } else {
+            0.0
+        };
+        // Odd, so that the centre is one of them.
+        let count = fine.min(affordable).clamp(33.0, USUAL_POINTS as f64);
+        2 * (0.5 * count) as usize + 1
+    };
+    let count = points.unwrap_or_else(usual);
+    spans.map(|[low, high]| {
+        let axis = Axis::symmetric(half_width, count);
+        Axis {
+            start: axis.start + 0.5 * (low + high),
+            ..axis
+        }
+    })
 }
 
 fn on_pillar_variable(flags: Vec<i8>) -> Variable {

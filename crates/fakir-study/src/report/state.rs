@@ -272,6 +272,7 @@ fn limit_words(name: &'static str) -> &'static str {
     match name {
         "kendall_strain" => "strain of pillars at pull-off",
         "slope" => "slope of the lens",
+        "contact_on_top" => "contact over radius of a top",
         "contact_radius_over_lens_radius" => "contact over lens radius",
         "contact_radius_over_lens_thickness" => "contact over lens thickness",
         "lens_thickness_over_radius" => "lens thickness over radius",

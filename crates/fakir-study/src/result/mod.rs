@@ -186,8 +186,7 @@ pub fn flat_cycle(
         .timed(wall_time)
 }
 
-/// A cycle of rounded tops: what `fakir cycle --json` prints. Limits are those of the end of the loading, if the range of the attraction is
-/// given.
+/// A cycle of rounded tops: what `fakir cycle --json` prints. Limits are those of the end of the loading.
 #[must_use]
 pub fn asperity_cycle(
     cycle: &AsperityCycle,
@@ -195,16 +194,15 @@ pub fn asperity_cycle(
     range: Option<f64>,
     wall_time: f64,
 ) -> Object {
-    let object = Object::of(cycle);
-    let object = match range {
-        Some(_) => object.with_limits(cycle.turn.limits(field, range)),
-        None => object,
-    };
-    object.timed(wall_time)
+    Object::of(cycle)
+        .with_limits(cycle.turn.limits(field, range))
+        .timed(wall_time)
 }
 
 /// A contact with rounded tops.
 #[must_use]
 pub fn asperity_press(answer: AsperityAnswer<'_>, wall_time: f64) -> Object {
-    Object::of(&answer).timed(wall_time)
+    Object::of(&answer)
+        .with_limits(answer.contact.limits(answer.field, None))
+        .timed(wall_time)
 }

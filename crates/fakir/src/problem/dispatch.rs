@@ -309,7 +309,7 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[Question::Hold],
-        &[Solver::Spectral, Solver::Flat],
+        &[Solver::Spectral, Solver::Asperities, Solver::Flat],
         &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
         "with adhesion the edges of a viscoelastic contact dissipate, at a rate that depends on their speed and is not modelled",
         "leave out the works of adhesion; both limits of a history are elastic and can be computed with adhesion: `press` in the relaxed limit, `press --instantaneous` in that of fast loads",
@@ -454,20 +454,6 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
-        &[Question::Limits],
-        ASPERITIES,
-        &[],
-        "validity limits are not available for rounded tops",
-        "leave them out: a warning reports wide contacts",
-    ),
-    rule(
-        &[Question::Fields],
-        ASPERITIES,
-        &[],
-        "maps of the pressure are not available for rounded tops",
-        "leave them out: the table of pillars contains every contact",
-    ),
-    rule(
         &[
             Question::Transition,
             Question::FloorShare,
@@ -484,13 +470,12 @@ static RULES: &[Rule] = &[
             Question::Compare,
             Question::Design,
             Question::Spread,
-            Question::Fit,
             Question::Explore,
         ],
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `verify`, `approach`, `cycle`, `sweep` and `design --free heights` support rounded tops",
+        "leave out the radius of curvature of the tops; `press`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(

@@ -9,6 +9,7 @@ mod areas;
 pub(crate) mod asperity_contact;
 pub(crate) mod asperity_cycle;
 pub(crate) mod asperity_elements;
+pub(crate) mod asperity_fields;
 mod cell_means;
 pub(crate) mod checked;
 pub(crate) mod contact;
@@ -32,6 +33,7 @@ pub use crate::numerics::workers::{CancelToken, Threads};
 pub use asperity_contact::{AsperityContact, AsperityErrors, AsperitySlopes, AsperityState};
 pub use asperity_cycle::{AsperityCycle, AsperityCycleErrors, AsperityEvent, AsperityLoadStep};
 pub use asperity_elements::AsperityElements;
+pub use asperity_fields::AsperityFields;
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{

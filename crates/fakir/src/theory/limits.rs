@@ -86,7 +86,9 @@ impl ContactState {
         if !self.pillars.is_empty() {
             let stress = hardest(&|pillar| pillar.force / pillar.top_area()) / modulus;
             limits.push(Limit::at_most("pillar_stress", stress, LARGEST_STRAIN));
-            let buckling = hardest(&|pillar| pillar.force / buckling_force(modulus, pillar));
+            let buckling = hardest(&|pillar| {
+                pillar.force / buckling_force(modulus, pillar.diameter, pillar.height)
+            });
             limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
         }
         limits.extend(self.of_pillars());
@@ -208,15 +210,52 @@ fn of_layers(
 impl AsperityContact {
     /// The validity limits of the model, and the corresponding values in this contact with an array. `range` is that of the attraction (m), if
     /// it is known.
+    ///
+    /// * `contact_on_top`: the largest ratio of the radius of a contact to the radius of curvature of its top, which is a paraboloid here.
+    /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
+    /// * `pillar_stress`: the largest mean stress, divided by Young's modulus of the substrate: on the cross-section of a pillar with a rim,
+    ///   otherwise on the contact.
+    /// * `buckling`: force on a pillar that shortens as a column, divided by its buckling force, as on flat tops.
+    /// * `tabor_number`, with adhesion and a range of the attraction.
     #[must_use]
     pub fn limits(&self, array: &AsperityArray, range: Option<f64>) -> Vec<Limit> {
-        let pairs = array.asperities().iter().zip(&self.asperities);
-        let parts = pairs.map(|(asperity, state)| state.radius / asperity.top_radius);
+        let pairs = || array.asperities().iter().zip(&self.asperities);
+        let parts = pairs().map(|(asperity, state)| state.radius / asperity.top_radius);
         let mut limits = vec![Limit::at_most(
             "contact_on_top",
             parts.fold(0.0, f64::max),
             WIDEST_ON_TOP,
         )];
+        if let Some(lens) = array.indenter().lens() {
+            let touched = self.asperities.iter().filter(|state| state.radius > 0.0);
+            let reaches = touched.map(|state| lens.distance(state.centre) + state.radius);
+            let farthest = reaches.fold(0.0, f64::max);
+            let slope = lens.slope_at(farthest);
+            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
+            if let Some(radius) = lens.radius() {
+                let name = "contact_radius_over_lens_radius";
+                limits.push(Limit::at_most(name, farthest / radius, DOUBTFUL_CONTACT));
+            }
+        }
+        let modulus = array.substrate().young_modulus;
+        let touched = || pairs().filter(|(_, state)| state.radius > 0.0);
+        let strains = touched().map(|(asperity, state)| {
+            let radius = asperity.rim_radius.unwrap_or(state.radius);
+            state.force / (PI * radius * radius * modulus)
+        });
+        let strain = strains.fold(0.0, f64::max);
+        limits.push(Limit::at_most("pillar_stress", strain, LARGEST_STRAIN));
+        let columns = touched().filter_map(|(asperity, state)| {
+            let radius = asperity
+                .rim_radius
+                .filter(|_| asperity.column_compliance > 0.0)?;
+            // A column of this compliance has the height `C E pi r^2`.
+            let height = asperity.column_compliance * modulus * PI * radius * radius;
+            Some(state.force / buckling_force(modulus, 2.0 * radius, height))
+        });
+        if let Some(buckling) = columns.reduce(f64::max) {
+            limits.push(Limit::at_most("buckling", buckling, LARGEST_BUCKLING));
+        }
         if let Some(range) = range {
             let number = array.tabor_number(range);
             limits.push(Limit::at_least(
@@ -225,6 +264,8 @@ impl AsperityContact {
                 SMALLEST_TABOR_NUMBER,
             ));
         }
+        // Removes values that overflow for extremely small loads.
+        limits.retain(|limit| limit.value.is_finite());
         limits
     }
 }
@@ -330,9 +371,9 @@ impl SurfaceContact {
 }
 
 /// `pi^2 E I/h^2`
-fn buckling_force(modulus: f64, pillar: &PillarState) -> f64 {
-    let second_moment = PI * pillar.diameter.powi(4) / 64.0;
-    PI * PI * modulus * second_moment / (pillar.height * pillar.height)
+fn buckling_force(modulus: f64, diameter: f64, height: f64) -> f64 {
+    let second_moment = PI * diameter.powi(4) / 64.0;
+    PI * PI * modulus * second_moment / (height * height)
 }
 
 /// A contact whose bodies, the lens and the substrate, are half-spaces or layers.

@@ -6,6 +6,7 @@ mod adhesion;
 mod adhesive_asperities;
 mod arrangements;
 mod asperities;
+mod asperity_fields;
 mod asperity_lenses;
 mod common;
 mod contact_edge;
