@@ -1065,8 +1065,8 @@ pub(crate) struct Fit {
     #[arg(long)]
     case: PathBuf,
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
-    /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.pitch, pattern.offset,
-    /// pattern.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.top_radius,
+    /// pattern.pitch, pattern.offset, pattern.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
     /// force_offset, displacement_drift, force_drift, force_slope, and with a column of times relaxation.strengths[0],
     /// relaxation.times[0] up to [3]; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]

@@ -2,7 +2,7 @@
 
 use crate::asperities::Asperities;
 use crate::case::{Case, Described};
-use crate::error::{PYTHON, case_error, fit_error, solve_error, value_error};
+use crate::error::{case_error, fit_error, solve_error, value_error};
 use crate::fit::hints;
 use crate::flat::Flat;
 use crate::study::{PyColumns, columns};

@@ -1843,7 +1843,8 @@ mod tests {
         let data = Measurements::new(&columns).unwrap();
         let mut free = Parameter::ALL.to_vec();
         free.retain(|free| !free.is_work() && !free.is_of_relaxation());
-        free.retain(|free| !matches!(free, Parameter::Key(Key::Offset | Key::OffsetAngle)));
+        let others = [Key::Offset, Key::OffsetAngle, Key::TopRadius].map(Parameter::Key);
+        free.retain(|free| !others.contains(free));
         let options = FitOptions {
             contact_point: Some(0.1e-6),
             machine_compliance: 2e-3,
