@@ -87,7 +87,7 @@ impl AsperityFields {
             if inside {
                 BasisEvaluator::new(degree_with(self.modes)).evaluate(at, &mut values);
             } else {
-                self.exterior.values(at, &mut values);
+                self.exterior.values(at, radius, &mut values);
             }
             let modes = moments.iter().zip(&values).zip(&self.compliances);
             let sum: f64 = modes
