@@ -128,14 +128,8 @@ fn of_kind(kind: Kind) -> Value {
         ("floor", json!({"type": "object"})),
         ("case_warnings", words.clone()),
     ];
-    // Those of rounded tops are computed if the range of the attraction is given.
-    let of_asperities = matches!(kind, Kind::AsperityPress | Kind::AsperityCycle);
     let limits = json!({"type": "array", "items": limit});
-    let (limits, with_range) = match kind {
-        Kind::History => (None, None),
-        _ if of_asperities => (None, Some(("limits", limits))),
-        _ => (Some(("limits", limits)), None),
-    };
+    let limits = (kind != Kind::History).then_some(("limits", limits));
     let rows = json!({"type": "array", "items": {"type": "object"}});
     let of_cycle = [
         ("stations", rows.clone()),
@@ -165,7 +159,7 @@ fn of_kind(kind: Kind) -> Value {
         }
         object["properties"][name] = value;
     }
-    for (name, value) in sometimes.into_iter().chain(with_range) {
+    for (name, value) in sometimes {
         if object["properties"][name].is_null() {
             object["properties"][name] = value;
         }
