@@ -16,7 +16,7 @@ from ._cycle import Adhesion, Drive, plan_with_end
 from ._design import SEED
 from ._format import Row, engineering
 from ._history import Viscoelastic
-from ._numbers import AsperityCycleNumbers, AsperityPressNumbers
+from ._numbers import AsperityCycleNumbers, AsperityPressNumbers, AsperityTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, si
 from ._result import Result
 from ._run import Progress, options, warn, warn_of_interactions
@@ -243,6 +243,22 @@ class AsperityArray(Viscoelastic):
         summary, discs = _fakir.verify_asperities(self._asperities, *question, cells_per_diameter, run)
         return AsperityVerification(json.loads(summary), AsperityContact(self, discs))
 
+    def transition(
+        self,
+        *,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> AsperityTransition:
+        """Computes the state in which the lens just reaches the floor among the tops, at the reference height below their level."""
+        run = options(threads, progress, memory_limit)
+        found = _fakir.asperity_transition(self._asperities, run)
+        result = AsperityTransition(AsperityContact(self, found.contact), found)
+        warn(found.warnings)
+        if not result.converged:
+            raise NotConverged(f"the solution {result.termination}", result)
+        return result
+
     @property
     def adhesion(self) -> Adhesion | None:
         """The adhesion of the tops; None without."""
@@ -403,6 +419,30 @@ class AsperityVerification(Opinion):
         coarse, fine = self.elements
         answers = [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)]
         return self._rows_of(answers, [("contact area", self.contact_area)])
+
+
+class AsperityTransition(AsperityTransitionNumbers):
+    """The critical state of rounded tops, in which the lens just reaches the floor. Numbers are in SI units."""
+
+    _titles = ("fakir.AsperityTransition", "Critical state with rounded tops")
+
+    contact: AsperityContact
+    """The contact in this state."""
+
+    def __init__(self, contact: AsperityContact, found: _fakir.AsperityTransition) -> None:
+        super().__init__(found)
+        self.contact = contact
+
+    def _rows(self) -> list[Row]:
+        x, y = (engineering(value, "m") for value in self.floor_contact)
+        return [
+            ("critical force", engineering(self.critical_force, "N")),
+            ("critical indentation", engineering(self.critical_indentation, "m")),
+            ("floor contact", f"at x = {x}, y = {y}"),
+            ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
+            ("tops in contact", f"{self.pillars_in_contact} of {len(self.contact.tops)}"),
+            ("solution", self.termination),
+        ]
 
 
 class AsperityCycle(AsperityCycleNumbers):

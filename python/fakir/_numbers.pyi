@@ -325,12 +325,48 @@ class AsperityPressNumbers(Contact):
     'Radius of the largest contact on a top (m).'
     largest_pillar_force: Number[float]
     'Largest force on a pillar (N).'
+    smallest_floor_gap: Number[float | None]
+    'Smallest gap between lens and floor (m); negative where the lens would be below the floor, whose load is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
     stiffness: Number[float]
     'Change of the force with the indentation (N/m).'
     left_out: Number[list[str]]
     'Effects that are not computed.'
     floor_out_of_reach: Number[bool]
     'Whether the floor is certainly not reached.'
+    error: Number[AsperityErrors | None]
+    '`AsperityErrors` with force, contact_area, indentation_m.'
+    iterations: Number[int]
+    'Solver iterations.'
+
+class AsperityTransitionNumbers(Critical):
+    method: Number[str]
+    '`spectral`.'
+    indenter: Number[str]
+    '`lens` or `plate`.'
+    lens_shape: Number[str]
+    'Shape of a lens.'
+    contact_radius: Number[float]
+    'The larger of `top_contact_radius` and the distance between the lens axis and the floor contact, a_c (m).'
+    top_contact_radius: Number[float]
+    'Distance between the lens axis and the farthest point in contact on a pillar top (m).'
+    contact_area: Number[float]
+    'Area of all contacts, A (m^2).'
+    pillars: Number[int]
+    'Number of pillars.'
+    pillars_in_contact: Number[int]
+    'Number of pillars in contact.'
+    pillars_fully_in_contact: Number[int]
+    'Number of pillars whose top is in contact up to the rim.'
+    largest_top_contact_radius: Number[float]
+    'Radius of the largest contact on a top (m).'
+    largest_pillar_force: Number[float]
+    'Largest force on a pillar (N).'
+    smallest_floor_gap: Number[float | None]
+    'Smallest gap between lens and floor (m); negative where the lens would be below the floor, whose load is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
+    stiffness: Number[float]
+    'Change of the force with the indentation (N/m).'
+    left_out: Number[list[str]]
+    'Effects that are not computed.'
     error: Number[AsperityErrors | None]
     '`AsperityErrors` with force, contact_area, indentation_m.'
     iterations: Number[int]

@@ -23,7 +23,13 @@ NAMES = {
 }
 """Attributes whose name is not their path without the unit. In critical states names are without ``critical_``."""
 
-OMITTED = {"transition.bottom_contact_m", "surface_transition.bottom_contact_m", "asperity_press.tops"}
+OMITTED = {
+    "transition.bottom_contact_m",
+    "surface_transition.bottom_contact_m",
+    "asperity_press.tops",
+    "asperity_transition.tops",
+    "asperity_transition.bottom_contact_m",
+}
 """Entries of the JSON only: an older name, and information given by the class."""
 
 GROUPS = {
@@ -43,6 +49,7 @@ GROUPS = {
     "cycle.error": "CycleErrors",
     "asperity_cycle.error": "AsperityCycleErrors",
     "asperity_press.error": "AsperityErrors",
+    "asperity_transition.error": "AsperityErrors",
 }
 """Named tuples by kind and attribute, or by attribute; the others are named by both."""
 

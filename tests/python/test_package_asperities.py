@@ -205,6 +205,21 @@ def test_adhesion_of_one_top_is_that_of_johnson_kendall_and_roberts():
     assert contact.contact_area > plain.contact_area and contact.left_out == ["floor"]
 
 
+def test_the_floor_is_reached_at_the_transition():
+    """The contact under the critical force has the critical indentation and no gap."""
+    lens = fakir.Lens("20 mm", "70 GPa", 0.22)
+    low = fakir.AsperityArray(1e-3 * X / PITCH, 1e-3 * Y / PITCH, "40 um", "526 um", lens, RUBBER, diameter="0.5 mm")
+    critical = low.transition()
+    assert critical.regime == "top_first" and critical.smallest_floor_gap == 0
+    assert critical.contact.force == critical.force > 0
+    contact = low.press(force=critical.force)
+    assert contact.indentation == pytest.approx(critical.indentation, rel=1e-6)
+    assert low.press(force=0.9 * critical.force).smallest_floor_gap > 0
+    assert "Critical state" in repr(critical) or "AsperityTransition" in repr(critical)
+    with pytest.raises(fakir.FakirError, match="outside the pillars"):
+        tops().transition()
+
+
 def test_a_floor_under_rounded_tops_is_not_adhesive():
     with pytest.raises(ValueError, match="floor contact is not computed"):
         fakir.AsperityArray(

@@ -6,7 +6,7 @@ use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::flat::FlatCase;
 use crate::support::SurfaceKind;
-use fakir::problem::{Interactions, Question};
+use fakir::problem::{Feature, Interactions, Question, Solver};
 
 /// A case of any kind of surface.
 #[derive(Debug, Clone)]
@@ -63,7 +63,14 @@ impl CaseFile {
         self.check_surface(questions)?;
         match self.surface_kind() {
             SurfaceKind::Pillars => Ok(AnyCase::Pillars(Box::new(self.case_for(questions)?))),
-            SurfaceKind::Asperities => Ok(AnyCase::Asperities(Box::new(self.asperity_case()?))),
+            SurfaceKind::Asperities => {
+                let case = self.asperity_case()?;
+                let features = Feature::of_asperities(&case.field);
+                for question in questions {
+                    self.answers(*question, Solver::Asperities, &features)?;
+                }
+                Ok(AnyCase::Asperities(Box::new(case)))
+            }
             SurfaceKind::HeightMap => Ok(AnyCase::HeightMap(Box::new(self.clone()))),
             SurfaceKind::Flat => Ok(AnyCase::Flat(Box::new(self.flat_case()?))),
         }

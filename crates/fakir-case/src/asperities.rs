@@ -8,8 +8,8 @@ use crate::parts::{MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, LensForm, Material,
-    PillarCompliance, Point, Question, ShapedLens, Solver,
+    Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, InvalidQuantity, LensForm,
+    Material, PillarCompliance, Point, Question, ShapedLens, Solver,
 };
 use std::f64::consts::PI;
 
@@ -213,10 +213,20 @@ impl AsperityCase {
             asperities.collect(),
         )?
         .with_interactions(*raised.interactions())?;
+        let field = above_floor(field.with_adhesion(raised.adhesion())?, self.height)?;
         Ok(Self {
-            field: field.with_adhesion(raised.adhesion())?,
+            field,
             ..self.clone()
         })
+    }
+}
+
+/// The tops above a floor at the foot of the common pillar; without a floor if that has no height.
+fn above_floor(field: AsperityArray, height: f64) -> Result<AsperityArray, InvalidQuantity> {
+    if height > 0.0 {
+        field.with_floor(height)
+    } else {
+        Ok(field)
     }
 }
 
@@ -328,6 +338,7 @@ impl CaseFile {
         };
         let field = field
             .with_adhesion(adhesion)
+            .and_then(|field| above_floor(field, height))
             .map_err(|invalid| self.impossible(&invalid))?;
         Ok(AsperityCase {
             field,

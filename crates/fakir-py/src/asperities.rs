@@ -17,9 +17,9 @@ use fakir_case::{AsperityCase, CaseFile};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
-use fakir_study::record::AsperityAnswer;
+use fakir_study::record::{AsperityAnswer, AsperityCritical};
 use fakir_study::result::{
-    SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
+    self, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     asperity_press, asperity_warnings, json,
 };
 use fakir_study::workshop::Relief;
@@ -309,6 +309,35 @@ pub(crate) fn verify_asperities(
     let summary = json(&summary);
     let contact = AsperityContact::made(py, case, found.discs, wall_time)?;
     Ok((summary, contact))
+}
+
+/// The state in which the lens just reaches the floor among rounded tops.
+#[pyclass(frozen, extends = Answer, module = "fakir._fakir")]
+pub(crate) struct AsperityTransition {
+    #[pyo3(get)]
+    contact: Py<AsperityContact>,
+}
+
+/// Computes the state in which the lens just reaches the floor.
+#[pyfunction]
+pub(crate) fn asperity_transition(
+    py: Python<'_>,
+    tops: &Asperities,
+    options: Options,
+) -> PyResult<Py<AsperityTransition>> {
+    let case = &tops.case;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| {
+        case.field.transition(case.accuracy, run)
+    })?;
+    let found = found.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let critical = AsperityCritical::of(case, &found);
+    let summary = json(&result::asperity_transition(critical, wall_time));
+    let warnings = asperity_warnings(critical.answer);
+    let answer = Answer::new(&critical, summary, found.contact.termination, warnings);
+    let contact = AsperityContact::made(py, case.clone(), found.contact, wall_time)?;
+    Py::new(py, (AsperityTransition { contact }, answer))
 }
 
 /// Points of a curve: branch, indentation (m), force (N), contact area (m^2) and number of tops in contact.

@@ -32,8 +32,8 @@ mod _fakir {
     use super::answer::{Answer, record};
     #[pymodule_export]
     use super::asperities::{
-        Asperities, AsperityContact, cycle_asperities, design_heights, press_asperities,
-        verify_asperities,
+        Asperities, AsperityContact, AsperityTransition, asperity_transition, cycle_asperities,
+        design_heights, press_asperities, verify_asperities,
     };
     #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};

@@ -2,8 +2,8 @@
 
 use crate::numbers::{DIGITS, with_unit};
 use crate::record::{
-    AsperityAnswer, DISC, FlatAnswer, LoadingState, Object, Place, Record, SurfaceAnswer,
-    asperity_head, surface_head,
+    AsperityAnswer, AsperityCritical, DISC, FlatAnswer, LoadingState, Object, Place, Record,
+    SurfaceAnswer, asperity_head, surface_head,
 };
 use crate::result::{self, asperity_warnings, warnings};
 use fakir::problem::{
@@ -178,6 +178,19 @@ pub trait Loadable {
     /// As [`fakir::transition`]; [`SolveError::Unsupported`] if the surface defines no floor.
     fn transition(&self, run: &Run<'_>) -> Result<Critical<Self::Contact>, SolveError>;
 
+    /// Whether a loading up to this load may contain the critical state. If not, that is not computed for a loading that ends there.
+    ///
+    /// # Errors
+    /// Cancellation.
+    fn may_reach_floor(&self, _: Load, _: &Run<'_>) -> Result<bool, SolveError> {
+        Ok(true)
+    }
+
+    /// Whether the load of the floor is part of contacts past the critical state.
+    fn computes_floor_load(&self) -> bool {
+        true
+    }
+
     /// Why there is no critical state at which a loading could end; `None` if there is one.
     fn no_end(&self) -> Option<&'static str>;
 
@@ -321,12 +334,27 @@ impl Loadable for AsperityCase {
         self.field.press(control, self.accuracy, run)
     }
 
-    fn transition(&self, _: &Run<'_>) -> Result<Critical<AsperityContact>, SolveError> {
-        Err(unsupported(Question::Transition, Solver::Asperities))
+    fn transition(&self, run: &Run<'_>) -> Result<Critical<AsperityContact>, SolveError> {
+        self.field.transition(self.accuracy, run)
+    }
+
+    fn computes_floor_load(&self) -> bool {
+        false
+    }
+
+    // Tops high above the floor merge before it is reached, so that the critical state does not exist.
+    fn may_reach_floor(&self, end: Load, run: &Run<'_>) -> Result<bool, SolveError> {
+        match self.field.press(end, self.accuracy, run) {
+            Ok(contact) => Ok(contact.floor_gap.is_some_and(|floor| floor.gap < 0.0)),
+            Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
+            // The loading may end at the critical state before.
+            Err(_) => Ok(true),
+        }
     }
 
     fn no_end(&self) -> Option<&'static str> {
-        let answered = Question::Transition.check(Solver::Asperities, &[]);
+        let features = Feature::of_asperities(&self.field);
+        let answered = Question::Transition.check(Solver::Asperities, &features);
         answered.err().map(|unsupported| unsupported.why)
     }
 
@@ -353,8 +381,8 @@ impl Loadable for AsperityCase {
         asperity_head(&self.field)
     }
 
-    fn critical(&self, _: &Critical<AsperityContact>, _: f64) -> Object {
-        Object::default()
+    fn critical(&self, critical: &Critical<AsperityContact>, wall_time: f64) -> Object {
+        result::asperity_transition(AsperityCritical::of(self, critical), wall_time)
     }
 }
 
@@ -413,7 +441,8 @@ impl Loadable for FlatCase {
 pub struct Approach<P: Loadable> {
     /// The states, by increasing indentation.
     pub rows: Vec<Record>,
-    /// The critical state, even if the loading ends before it; `None` if the surface defines no floor.
+    /// The critical state, even if the loading ends before it; `None` if the surface defines no floor, and for rounded tops if the loading
+    /// ends before it.
     pub critical: Option<Critical<P::Contact>>,
     /// Computing time of the critical state, s.
     pub critical_time: f64,
@@ -452,7 +481,14 @@ pub fn approach<P: Loadable>(
         }
         _ => {}
     }
-    let critical = if has_critical {
+    let may_contain_critical = match path.end {
+        LoadingEnd::At(Load::FloorContact) => true,
+        LoadingEnd::At(end) => has_critical && problem.may_reach_floor(end, run)?,
+        LoadingEnd::CriticalOr(until) => {
+            has_critical && problem.may_reach_floor(Load::Indentation(until), run)?
+        }
+    };
+    let critical = if may_contain_critical {
         next("critical state");
         Some(problem.transition(run)?)
     } else {
@@ -466,7 +502,10 @@ pub fn approach<P: Loadable>(
             answer: contact,
             place: Place {
                 critical: is_critical,
-                beyond: critical_indentation.map(|reached| contact.indentation() > reached),
+                beyond: match critical_indentation {
+                    Some(reached) => Some(contact.indentation() > reached),
+                    None => has_critical.then_some(false),
+                },
             },
         })
     };

@@ -244,12 +244,14 @@ pub fn follow<P: Loadable>(
 ) -> Result<Followed<P>, ApproachError> {
     problem.check_history()?;
     let start = Instant::now();
+    let is_to_floor = |load: &Load| *load == Load::FloorContact;
+    let ends_at_floor = plan.course.largest().iter().any(is_to_floor);
     let critical = match problem.no_end() {
-        None => {
+        None if ends_at_floor || problem.computes_floor_load() => {
             next("critical state");
             Some(problem.transition(run)?)
         }
-        Some(_) => None,
+        _ => None,
     };
     let reached = critical.as_ref().map(|critical| &critical.contact);
     let mut converged = reached.is_none_or(Solution::is_answer);

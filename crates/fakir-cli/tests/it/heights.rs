@@ -485,6 +485,104 @@ fn a_sweep_of_rounded_tops() {
     }
 }
 
+/// Pillars under a lens that reaches the floor between them.
+fn low_pillars() -> String {
+    CASE.replace("shape = \"plate\"", "radius = \"20 mm\"")
+        .replace("pitch = \"1.5 mm\"", "pitch = \"1 mm\"")
+        .replace(
+            "height = \"200 um\"",
+            "height = \"40 um\"\ndiameter = \"0.5 mm\"",
+        )
+}
+
+/// Expected: the contact under the critical force has the critical indentation and no gap; below and above it the gap has the sign of the
+/// difference; all front ends give the same numbers.
+#[test]
+fn the_floor_under_rounded_tops_is_reached_at_the_transition() {
+    let bench = Bench::new();
+    bench.write("case.toml", &low_pillars());
+    let run = |arguments: &[&str]| {
+        let output = bench.run(arguments);
+        assert_eq!(output.status, Some(0), "{arguments:?}: {}", output.stderr);
+        output
+    };
+    let json = |arguments: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&run(arguments).stdout).unwrap()
+    };
+    let critical = json(&["transition", "case.toml", "--json"]);
+    let number = |object: &serde_json::Value, name: &str| object[name].as_f64().unwrap();
+    let force = number(&critical, "critical_force_N");
+    let indentation = number(&critical, "critical_indentation_m");
+    assert_eq!(critical["regime"], "top_first");
+    assert!(force > 0.0 && indentation > 40e-6);
+    assert!(number(&critical, "smallest_floor_gap_m") == 0.0);
+    assert!(number(&critical["relative_error_estimate"], "force") < 0.05);
+    let at = |part: f64| {
+        let force = format!("{:e}N", part * force);
+        json(&["press", "case.toml", "--force", &force, "--json"])
+    };
+    assert!((number(&at(1.0), "indentation_m") / indentation - 1.0).abs() < 1e-6);
+    let gaps = [0.9, 1.0, 1.1].map(|part| number(&at(part), "smallest_floor_gap_m"));
+    assert!(
+        gaps[0] > 0.0 && gaps[1].abs() < 1e-5 * gaps[0] && gaps[2] < 0.0,
+        "{gaps:?}"
+    );
+    assert_eq!(at(0.9)["floor_out_of_reach"], true);
+    let above = format!("{:e}N", 1.1 * force);
+    let above = run(&["press", "case.toml", "--force", &above]);
+    assert!(above.stderr.contains("below the floor"), "{}", above.stderr);
+    let report = run(&["transition", "case.toml", "--output", "critical"]).stdout;
+    assert!(
+        report.contains("rests on rounded tops and just reaches the floor"),
+        "{report}"
+    );
+    assert!(bench.read("critical/pillars.csv").lines().count() == 26);
+    // The loading ends at the critical state, and contains it where it goes on.
+    let loading = json(&["approach", "case.toml", "--step", "10um", "--json"]);
+    let last = loading["states"]
+        .as_array()
+        .unwrap()
+        .last()
+        .unwrap()
+        .clone();
+    assert!((number(&last, "force_N") / force - 1.0).abs() < 1e-12);
+    let before = json(&[
+        "approach",
+        "case.toml",
+        "--step",
+        "10um",
+        "--to",
+        "20um",
+        "--json",
+    ]);
+    assert!(before["critical"].is_null());
+    bench.write(
+        "study.toml",
+        &format!("[study]\nquestion = \"transition\"\n[axes]\n\"pattern.pillar.height\" = [\"35um\", \"40um\"]\n{}", low_pillars()),
+    );
+    run(&["sweep", "study.toml", "--output", "swept"]);
+    let table = bench.read("swept/table.csv");
+    let mut lines = table.lines();
+    let place = lines
+        .next()
+        .unwrap()
+        .split(',')
+        .position(|name| name == "critical_force_N");
+    let swept: Vec<f64> = lines
+        .map(|line| {
+            line.split(',')
+                .nth(place.unwrap())
+                .unwrap()
+                .parse()
+                .unwrap()
+        })
+        .collect();
+    assert!(
+        (swept[1] / force - 1.0).abs() < 1e-9 && swept[0] < force,
+        "{swept:?}"
+    );
+}
+
 /// No command silently treats rounded tops as flat.
 #[test]
 fn every_other_command_refuses_rounded_tops() {
@@ -498,7 +596,7 @@ fn every_other_command_refuses_rounded_tops() {
     assert!(
         floor
             .stderr
-            .contains("floor contact is not computed under rounded tops")
+            .contains("a cylinder or a plate has no transition")
     );
     for arguments in [
         &["theory", "case.toml"][..],

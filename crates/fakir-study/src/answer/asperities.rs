@@ -6,9 +6,9 @@ use super::request::{AnswerError, Details, Request, Running};
 use crate::citations::Topic;
 use crate::fields::FieldMap;
 use crate::figures::saved;
-use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
+use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
-use crate::record::{AsperityAnswer, Record, indenter_name};
+use crate::record::{AsperityAnswer, AsperityCritical, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
 use crate::report::state::{
     QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
@@ -81,7 +81,7 @@ impl Kind for AsperityCase {
             }
             if matches!(plan.turn, UnloadingPoint::Critical(_)) {
                 return Err(AnswerError::Refused(
-                    "rounded tops have no critical state at which the loading could end, as floor contact is not computed: give --to or --to-force",
+                    "a cycle of rounded tops ends at an indentation or a force, not at the critical state, as floor contact is not computed: give --to or --to-force; `fakir transition` gives the critical state",
                 ));
             }
         }
@@ -103,7 +103,10 @@ impl Kind for AsperityCase {
     }
 
     fn record(&self, found: &Reached<AsperityContact>) -> Record {
-        Record::of(&AsperityAnswer::of(self, found.contact()))
+        match found {
+            Reached::Contact(contact) => Record::of(&AsperityAnswer::of(self, contact)),
+            Reached::Critical(critical) => Record::of(&AsperityCritical::of(self, critical)),
+        }
     }
 
     fn limits(&self, contact: &AsperityContact, range: Option<f64>) -> Option<Vec<Limit>> {
@@ -114,8 +117,12 @@ impl Kind for AsperityCase {
         Some(left_out_words(AsperityAnswer::of(self, contact)))
     }
 
-    fn meets(&self, _: Regime) -> String {
-        String::new() // there are no critical states of rounded tops
+    fn meets(&self, regime: Regime) -> String {
+        match regime {
+            Regime::TopFirst => "the lens rests on rounded tops and just reaches the floor",
+            Regime::BottomFirst => "the lens reaches the floor before any pillar",
+        }
+        .to_owned()
     }
 
     fn quantities(&self, found: &Reached<AsperityContact>) -> QuantityList {
@@ -147,6 +154,23 @@ impl Kind for AsperityCase {
         );
         if let Some(radius) = contact.contact_radius {
             list.length("contact radius", radius, String::new());
+        }
+        if let Some([x, y]) = found.floor_contact() {
+            let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
+            let remark = format!("from the lens axis, at x = {}, y = {}", place(x), place(y));
+            list.length("floor contact", x.hypot(y), remark);
+        }
+        if let Some(floor) = contact.floor_gap
+            && (found.floor_contact().is_none() || floor.gap > 0.0)
+        {
+            let remark = match (found.floor_contact(), floor.gap < 0.0) {
+                (Some(_), _) => {
+                    "before a top jumps into contact, during which the floor is reached"
+                }
+                (None, true) => "negative: past the transition, the load of the floor is neglected",
+                (None, false) => "",
+            };
+            list.length("smallest floor gap", floor.gap, remark.to_owned());
         }
         let full = contact
             .asperities

@@ -1,13 +1,14 @@
 //! The numbers of contacts and cycles with rounded pillar tops.
 
-use super::contact::{common, load};
+use super::contact::{common, critical_load, load};
 use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
 use fakir::problem::{AsperityArray, ContactAreas, Interactions, ShapedLens};
 use fakir::state::{
-    AsperityContact, AsperityCycle, AsperityErrors, AsperityLoadStep, AsperityState, PillarStatus,
+    AsperityContact, AsperityCycle, AsperityErrors, AsperityLoadStep, AsperityState, Critical,
+    PillarStatus,
 };
 use fakir_case::AsperityCase;
 
@@ -22,10 +23,33 @@ pub struct AsperityAnswer<'a> {
     pub contact: &'a AsperityContact,
 }
 
+/// The critical state with rounded tops, and its case.
+#[derive(Debug, Clone, Copy)]
+pub struct AsperityCritical<'a> {
+    /// The contact and its case.
+    pub answer: AsperityAnswer<'a>,
+    /// The critical state.
+    pub critical: &'a Critical<AsperityContact>,
+}
+
+impl<'a> AsperityCritical<'a> {
+    /// The critical state of a case.
+    #[must_use]
+    pub fn of(case: &'a AsperityCase, critical: &'a Critical<AsperityContact>) -> Self {
+        Self {
+            answer: AsperityAnswer::of(case, &critical.contact),
+            critical,
+        }
+    }
+}
+
 /// Effects that are neglected in contacts with rounded tops.
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 
-/// The same with adhesion.
+/// The same in the critical state, in which the floor has no load.
+const LEFT_OUT_BEFORE_FLOOR: &[&str] = &["adhesion"];
+
+/// The same as in contacts, with adhesion.
 const LEFT_OUT_WITH_ADHESION: &[&str] = &["floor"];
 
 impl<'a> AsperityAnswer<'a> {
@@ -39,10 +63,13 @@ impl<'a> AsperityAnswer<'a> {
         }
     }
 
-    /// Whether the floor among the pillars, at this depth below the level of zero indentation, is certainly not reached: pressure only moves
-    /// it away from the lens, whose lowest point is on its axis or, of a tilted plate, above the outermost pillar, and tension lifts it
+    /// Whether the floor among the pillars carries no load: the smallest gap is not negative. Where that is not computed, it is certain from
+    /// the depth of the floor below the level of zero indentation: pressure only moves it away from the lens, whose lowest point is on its axis or, of a tilted plate, above the outermost pillar, and tension lifts it
     /// nowhere by more than the sum of what each contact under tension lifts at its own edge, `2 |F|/(pi E* b)` or less.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
+        if let Some(floor) = self.contact.floor_gap {
+            return floor.gap >= 0.0;
+        }
         let tensile = self.contact.asperities.iter();
         let tensile = tensile.filter(|asperity| asperity.force < 0.0 && asperity.radius > 0.0);
         let modulus = self.field.reduced_modulus();
@@ -112,6 +139,11 @@ fn contact() -> Vec<Named<AsperityContact>> {
             "largest_pillar_force_N",
             "largest force on a pillar",
             |it: &AsperityContact| largest(it, |asperity| asperity.force),
+        ),
+        Named::number_if_any(
+            "smallest_floor_gap_m",
+            "smallest gap between lens and floor; negative where the lens would be below the floor, whose load is not computed; `null` under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it",
+            |it: &AsperityContact| it.floor_gap.map(|floor| floor.gap),
         ),
         Named::number(
             "stiffness_N_per_m",
@@ -195,6 +227,66 @@ impl<'a> Recorded for AsperityAnswer<'a> {
         rows.extend(interactions::rows());
         rows.extend(of_contact(solution()));
         rows
+    }
+}
+
+impl<'a> Recorded for AsperityCritical<'a> {
+    const KIND: Kind = Kind::AsperityTransition;
+
+    fn rows() -> Vec<Named<Self>> {
+        let of_contact = |rows: Vec<Named<AsperityContact>>| {
+            rows.into_iter()
+                .map(|row| row.of_part(|it: &AsperityCritical<'a>| &it.critical.contact))
+        };
+        let mut rows: Vec<Named<Self>> = head()
+            .map(|row| row.of_part(|it: &Self| it.answer.field))
+            .into();
+        let critical = critical_load();
+        rows.extend(critical.map(|row| row.of_part(|it: &Self| it.critical)));
+        rows.push(
+            Named::number(
+                "critical_contact_radius_m",
+                "the larger of `top_contact_radius_m` and the distance between the lens axis and the floor contact",
+                |it: &Self| {
+                    let [x, y] = it.critical.floor_contact;
+                    let radius = it.critical.contact.contact_radius;
+                    radius.unwrap_or(0.0).max(x.hypot(y))
+                },
+            )
+            .symbol("a_c"),
+        );
+        rows.push(Named::number(
+            "top_contact_radius_m",
+            "distance between the lens axis and the farthest point in contact on a pillar top",
+            |it: &Self| it.critical.contact.contact_radius.unwrap_or(0.0),
+        ));
+        let is_load = |row: &Named<AsperityContact>| {
+            ["force_N", "indentation_m", "contact_radius_m"].contains(&row.entry.path)
+        };
+        rows.extend(of_contact(
+            contact().into_iter().filter(|row| !is_load(row)).collect(),
+        ));
+        rows.push(Named::words(
+            "left_out",
+            "effects that are not computed",
+            |it: &Self| match it.answer.field.adhesion().is_none() {
+                true => LEFT_OUT_BEFORE_FLOOR,
+                false => &[],
+            },
+        ));
+        rows.extend(interactions::rows());
+        rows.extend(of_contact(solution()));
+        rows
+    }
+}
+
+impl Interacting for AsperityCritical<'_> {
+    fn interactions(&self) -> &Interactions {
+        self.answer.field.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.critical.contact.areas()
     }
 }
 

@@ -1,6 +1,6 @@
 //! The rows of all kinds of answers.
 
-use super::asperities::AsperityAnswer;
+use super::asperities::{AsperityAnswer, AsperityCritical};
 use super::flat::FlatAnswer;
 use super::history::{HistoryAnswer, HistoryRow};
 use super::loading::LoadingState;
@@ -15,7 +15,8 @@ impl Kind {
     pub(crate) fn of(study: &Study) -> Option<Self> {
         use SurfaceKind::{Asperities, Flat, HeightMap, Pillars};
         match (study.asked(), study.surface_kind()) {
-            (Asked::Transition, Pillars | Asperities | Flat) => Some(Self::Transition),
+            (Asked::Transition, Pillars | Flat) => Some(Self::Transition),
+            (Asked::Transition, Asperities) => Some(Self::AsperityTransition),
             (Asked::Transition, HeightMap) => Some(Self::SurfaceTransition),
             (Asked::Press, Asperities) => Some(Self::AsperityPress),
             (Asked::Press, Pillars) => Some(Self::Press),
@@ -58,6 +59,7 @@ impl Kind {
                     of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
                 }
                 Kind::AsperityPress => of::<AsperityAnswer<'_>>(),
+                Kind::AsperityTransition => of::<AsperityCritical<'_>>(),
                 Kind::AsperityCycle => of::<fakir::state::AsperityCycle>(),
                 Kind::Cycle => of::<fakir::state::Cycle>(),
                 Kind::Loading => of::<LoadingState<&fakir::state::ContactState>>(),

@@ -247,6 +247,11 @@ impl Recorded for LoadingState<AsperityAnswer<'_>> {
                 "largest force on a pillar",
                 |it: &AsperityContact| largest(it, |asperity| asperity.force),
             ),
+            Named::number_if_any(
+                "smallest_floor_gap_m",
+                "smallest gap between lens and floor; negative past the transition, where the load of the floor is neglected; `null` under a plate and a cylinder",
+                |it: &AsperityContact| it.floor_gap.map(|floor| floor.gap),
+            ),
             Named::number(
                 "stiffness_N_per_m",
                 "change of the force with the indentation",

@@ -22,8 +22,8 @@ mod object;
 mod schema;
 mod surface;
 
-pub use asperities::AsperityAnswer;
 pub(crate) use asperities::asperity_head;
+pub use asperities::{AsperityAnswer, AsperityCritical};
 pub use contact::of_floor;
 pub(crate) use flat::DISC;
 pub use flat::FlatAnswer;

@@ -342,6 +342,8 @@ kinds! {
     /// A contact with rounded tops.
     #[serde(alias = "rounded_press")]
     AsperityPress = "asperity_press", "A contact with rounded tops";
+    /// The critical state with rounded tops.
+    AsperityTransition = "asperity_transition", "A critical state with rounded tops";
     /// A cycle of rounded tops.
     AsperityCycle = "asperity_cycle", "A cycle with rounded tops";
     /// A cycle of loading and unloading.

@@ -77,6 +77,7 @@ fn approach() -> Value {
     let critical = [
         of(Kind::Transition),
         of(Kind::SurfaceTransition),
+        of(Kind::AsperityTransition),
         json!({"type": "null"}),
     ];
     json!({

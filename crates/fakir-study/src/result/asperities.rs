@@ -37,7 +37,12 @@ pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
     if contact.converged() && contact.error.is_none() {
         words.push("the error could not be estimated".to_owned());
     }
-    if !answer.floor_is_out_of_reach() {
+    if let Some(floor) = contact.floor_gap.filter(|floor| floor.gap < 0.0) {
+        words.push(format!(
+            "the lens would be {} below the floor: its load is neglected with rounded tops; `transition` gives the load at which the floor is reached",
+            with_unit(-floor.gap, Dimension::Length, LENGTH_DIGITS)
+        ));
+    } else if !answer.floor_is_out_of_reach() {
         let what = if contact.indentation < height {
             "the lowest point of the lens, with the surface lifted by tension, may be further below the level of zero indentation than"
         } else {

@@ -36,7 +36,9 @@ pub use verify::{AnswerRow, MeshRow, SurfaceVerifySummary, VerifySummary};
 pub type StuckFloorObject = AdhesiveFloorObject;
 
 use crate::output::File;
-use crate::record::{AsperityAnswer, FlatAnswer, GradientObject, Object, SurfaceAnswer};
+use crate::record::{
+    AsperityAnswer, AsperityCritical, FlatAnswer, GradientObject, Object, SurfaceAnswer,
+};
 use fakir::problem::{AsperityArray, FlatSystem, Load};
 use fakir::state::{
     AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact,
@@ -163,6 +165,12 @@ pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_ti
     Object::of(answer)
         .with_limits(answer.answer.contact.limits(answer.system))
         .timed(wall_time)
+}
+
+/// The critical state with rounded tops.
+#[must_use]
+pub fn asperity_transition(critical: AsperityCritical<'_>, wall_time: f64) -> Object {
+    Object::of(&critical).timed(wall_time)
 }
 
 /// A contact with a flat surface, likewise.

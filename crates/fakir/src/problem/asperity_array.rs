@@ -67,6 +67,8 @@ pub struct AsperityArray {
     asperities: Vec<Asperity>,
     interactions: Interactions,
     adhesion: Adhesion,
+    /// Depth of the floor below the reference level, m.
+    floor: Option<f64>,
 }
 
 /// The reason why an array of asperities is invalid.
@@ -165,6 +167,7 @@ impl AsperityArray {
             asperities,
             interactions: Interactions::NONE,
             adhesion: Adhesion::NONE,
+            floor: None,
         })
     }
 
@@ -188,6 +191,26 @@ impl AsperityArray {
             adhesion: adhesion.checked()?,
             ..self
         })
+    }
+
+    /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. It carries no load;
+    /// the [critical state](AsperityArray::transition) is that in which the lens reaches it. A pillar covers the floor within the radius of its
+    /// rim, or where its top extends down to the floor as a paraboloid.
+    ///
+    /// # Errors
+    /// The depth must be positive.
+    pub fn with_floor(self, depth: f64) -> Result<Self, InvalidQuantity> {
+        Requirement::Positive.check(Quantity::PillarHeight, depth)?;
+        Ok(Self {
+            floor: Some(depth),
+            ..self
+        })
+    }
+
+    /// Depth of the floor below the reference level, m.
+    #[must_use]
+    pub fn floor(&self) -> Option<f64> {
+        self.floor
     }
 
     /// The interactions that do not change the normal contact.

@@ -1,8 +1,9 @@
 //! The table of supported combinations of question, solver and features of the problem, with the reason for each combination that is not
 //! supported.
 
+use super::asperity_array::AsperityArray;
 use super::column::PillarCompliance;
-use super::lens::LensForm;
+use super::lens::{LensForm, ShapedLens};
 use super::listed::listed;
 use super::method::Method;
 use super::system::{FloorModel, System};
@@ -177,6 +178,21 @@ impl Feature {
             Self::AdhesiveTops => is_adhesive,
             Self::AdhesiveFloor => system.adhesion().floor && floor != FloorModel::Ignored,
             Self::FloorInteraction => system.interactions().act_on_floor(),
+        };
+        Self::ALL.into_iter().filter(has).collect()
+    }
+}
+
+impl Feature {
+    /// The features of rounded tops that decide whether the floor is reached: the lens.
+    #[must_use]
+    pub fn of_asperities(field: &AsperityArray) -> Vec<Self> {
+        let lens = field.indenter().lens();
+        let form = lens.map_or(LensForm::Plate, ShapedLens::form);
+        let has = |feature: &Self| match feature {
+            Self::Lens(other) => *other == form,
+            Self::TiltedPlate => lens.is_some_and(ShapedLens::is_tilted),
+            _ => false,
         };
         Self::ALL.into_iter().filter(has).collect()
     }
@@ -454,15 +470,18 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
-        &[
-            Question::Transition,
-            Question::FloorShare,
-            Question::VerifyFloor,
-        ],
+        &[Question::Transition],
+        ASPERITIES,
+        &[WITHOUT_AXIS],
+        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
+        "prescribe an indentation or a force",
+    ),
+    rule(
+        &[Question::FloorShare, Question::VerifyFloor],
         ASPERITIES,
         &[],
         "floor contact is not computed under rounded tops",
-        "prescribe an indentation or a force; a warning reports where the floor may be reached",
+        "use `transition` for the load at which the floor is reached; prescribe an indentation or a force below it",
     ),
     rule(
         &[

@@ -68,6 +68,15 @@ pub struct AsperityErrors {
     pub indentation: f64,
 }
 
+/// The smallest gap between the lens and the floor.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AsperityFloorGap {
+    /// The gap, m; negative where the lens would be below the floor, whose load is not computed.
+    pub gap: f64,
+    /// Position of this point of the floor, m from the lens axis.
+    pub position: Point,
+}
+
 /// The contact of a [`AsperityArray`](crate::problem::AsperityArray).
 #[derive(Debug, Clone)]
 pub struct AsperityContact {
@@ -88,6 +97,9 @@ pub struct AsperityContact {
     pub slopes: AsperitySlopes,
     /// Estimated errors, if they were requested and are available.
     pub error: Option<AsperityErrors>,
+    /// The smallest gap between the lens and the [floor](crate::problem::AsperityArray::with_floor); `None` without a floor, under a plate or
+    /// a cylinder, which come closest to it outside the pillars, and if it was not requested.
+    pub floor_gap: Option<AsperityFloorGap>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Number of Newton steps.
@@ -146,6 +158,9 @@ impl AsperityContact {
         let with_height = slopes.force_with_height.iter_mut();
         for slope in with_height.chain(&mut slopes.area_with_height) {
             check_number("slope with a height", slope)?;
+        }
+        if let Some(floor) = &mut self.floor_gap {
+            check_number("gap of the floor", &mut floor.gap)?;
         }
         if let Some(error) = &mut self.error {
             check_number("error estimate of the force", &mut error.force)?;

@@ -163,6 +163,12 @@ pub enum SolveError {
     /// The surface has no floor.
     #[error("there is no floor under the lens")]
     NoFloor,
+    /// Rounded tops leave no floor under the lens.
+    #[error(
+        "no point of the floor beside the rounded tops is under the lens: without a diameter, a top extends down to the floor as a \
+         paraboloid; give the pillars a diameter, move them apart, or use a wider lens"
+    )]
+    FloorCovered,
     /// The number of cells of a surface exceeds the memory limit.
     #[error(
         "{cells} cells take {} of memory; the limit is {}: raise the limit, lower the \

@@ -30,7 +30,9 @@ mod shared;
 pub(crate) mod surface;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
-pub use asperity_contact::{AsperityContact, AsperityErrors, AsperitySlopes, AsperityState};
+pub use asperity_contact::{
+    AsperityContact, AsperityErrors, AsperityFloorGap, AsperitySlopes, AsperityState,
+};
 pub use asperity_cycle::{AsperityCycle, AsperityCycleErrors, AsperityEvent, AsperityLoadStep};
 pub use asperity_elements::AsperityElements;
 pub use asperity_fields::AsperityFields;

@@ -8,6 +8,7 @@ mod arrangements;
 mod asperities;
 mod asperity_fields;
 mod asperity_lenses;
+mod asperity_transition;
 mod common;
 mod contact_edge;
 mod dispatch;

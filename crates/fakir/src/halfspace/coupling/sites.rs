@@ -79,6 +79,27 @@ impl Sites {
         }
     }
 
+    /// Pillars with these centres and radii, which may overlap; `None` if there are none.
+    pub(crate) fn of_bodies(pillars: Vec<(Point, f64)>) -> Option<Self> {
+        let body = |radius: f64| PillarBody {
+            radius,
+            ..PillarBody::of_column(0.0)
+        };
+        let common = body(pillars.first()?.1);
+        let bodies: Vec<PillarBody> = pillars.iter().map(|(_, radius)| body(*radius)).collect();
+        let are_alike = bodies.iter().all(|body| *body == common);
+        Some(Self {
+            places: Places::Listed {
+                indices: (0..pillars.len() as i64).map(|k| (k, 0)).collect(),
+                centres: pillars.into_iter().map(|(centre, _)| centre).collect(),
+            },
+            common,
+            bodies: if are_alike { Vec::new() } else { bodies },
+            radius: f64::INFINITY,
+            neighbours: OnceLock::new(),
+        })
+    }
+
     /// Pillars of a hexagonal lattice.
     pub(crate) fn of_window(
         window: Window,

@@ -28,7 +28,7 @@ const OVAL_HIGHER: [f64; 2] = [0.75, 0.9];
 
 /// Error of a pressure of a lower degree, divided by its difference from the solution two degrees higher. Above 1 because the higher
 /// solution has an error too, of a fiftieth or so.
-const DEGREES: f64 = 1.5;
+pub(super) const DEGREES: f64 = 1.5;
 
 /// Relative error of the force on a contact that leans on the rim, or fills the top with tension at its edge, divided by the square of the
 /// largest edge tension (relative to the mean): a quarter to a third according to boundary elements.
@@ -204,7 +204,7 @@ impl Bench {
     }
 
     /// Assembles the result, without an error estimate.
-    fn contact(
+    pub(super) fn contact(
         &self,
         equations: &Equations<'_>,
         settled: Settled,
@@ -270,6 +270,7 @@ impl Bench {
                 area_with_height: slopes[1].iter().map(|slope| slope * length).collect(),
             },
             error: None,
+            floor_gap: None,
             termination,
             iterations,
             contacts: Arc::new(contacts),
@@ -392,14 +393,17 @@ impl AsperityArray {
     ///
     /// # Errors
     /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
-    /// a contact too large for the lens or for the memory limit, or cancellation. [`Load::FloorContact`] returns [`SolveError::NoFloor`]:
-    /// asperities have no floor. A solution that did not converge is not an error; it is reported by [`AsperityContact::termination`].
+    /// a contact too large for the lens or for the memory limit, or cancellation. [`Load::FloorContact`] is the contact of the
+    /// [critical state](Self::transition), with [`SolveError::NoFloor`] for an array without a floor. A solution that did not converge is not an error; it is reported by [`AsperityContact::termination`].
     pub fn press(
         &self,
         control: Load,
         accuracy: Accuracy,
         run: &Run<'_>,
     ) -> Result<AsperityContact, SolveError> {
+        if control == Load::FloorContact {
+            return Ok(self.transition(accuracy, run)?.contact);
+        }
         let bench = Bench::new(self);
         let target = bench.target(control)?;
         let mut contact = self.solve(&bench, target, (accuracy, None), run)?;
@@ -409,6 +413,9 @@ impl AsperityArray {
             } else {
                 bench.estimate(&contact, target, run)?
             };
+            if let Some(depth) = self.floor() {
+                contact.floor_gap = bench.floor_gap(&contact, depth, run)?;
+            }
         }
         contact.checked()
     }
@@ -434,7 +441,7 @@ impl AsperityArray {
         self.solve(&bench, target, (accuracy, near), run)?.checked()
     }
 
-    fn solve(
+    pub(super) fn solve(
         &self,
         bench: &Bench,
         target: Prescribed,
@@ -498,7 +505,7 @@ impl Bench {
         }))
     }
 
-    fn difference(
+    pub(super) fn difference(
         &self,
         contact: &AsperityContact,
         fine: &AsperityContact,
