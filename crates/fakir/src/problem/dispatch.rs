@@ -494,7 +494,7 @@ static RULES: &[Rule] = &[
         ASPERITIES,
         &[],
         "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design --free heights` support rounded tops",
+        "leave out the radius of curvature of the tops; `press`, `transition`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design --free heights` support rounded tops",
     ),
     // Height maps.
     rule(
