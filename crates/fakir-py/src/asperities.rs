@@ -5,8 +5,8 @@ use crate::error::{
     PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
 use crate::load::{load, plan};
+use crate::samples::{Field, arrays};
 use crate::settings::{BodySettings, by_key, settings};
-use crate::state::{Field, arrays};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
 use fakir::problem::{

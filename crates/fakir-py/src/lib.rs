@@ -17,6 +17,7 @@ mod flat;
 mod friction;
 mod history;
 mod load;
+mod samples;
 mod settings;
 mod state;
 mod study;

@@ -4,6 +4,7 @@ use crate::answer::{Answer, warnings};
 use crate::case::Case;
 use crate::error::{approach_error, solve_error};
 use crate::load::{load, load_or_critical, path, plan};
+use crate::samples::{Field, arrays};
 use crate::study::columns;
 use crate::watched::{Options, watched};
 use fakir::problem::{ElementMesh, Method, Point};
@@ -22,8 +23,6 @@ use std::time::Instant;
 pub(crate) struct State {
     state: ContactState,
 }
-
-pub(crate) type Field<'py> = Bound<'py, PyArray1<f64>>;
 
 #[pymethods]
 impl State {
@@ -101,15 +100,6 @@ impl State {
         let points = x.as_slice()?.iter().zip(y.as_slice()?);
         Ok(PyArray1::from_iter(py, points.map(on_pillar)))
     }
-}
-
-pub(crate) fn arrays(py: Python<'_>, samples: FieldSamples) -> [Field<'_>; 3] {
-    let FieldSamples {
-        displacement,
-        gap,
-        pressure,
-    } = samples;
-    [displacement, gap, pressure].map(|field| PyArray1::from_vec(py, field))
 }
 
 /// Returns an error if fields at so many points exceed the memory limit, including the Python arrays: coordinates twice, and the fields.

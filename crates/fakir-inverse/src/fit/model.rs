@@ -934,34 +934,14 @@ impl<'a> Model<'a> {
         Ok(states.collect())
     }
 
-    /// The elastic states on one curve, also on unloading. If contacts merge within the measured loads, the curve ends there, and the rows beyond
-    /// are outside of the model.
+    /// The elastic states on one curve, also on unloading. Contacts that merge within the measured loads are an error.
     fn states_on_curve(&self, settings: &Settings) -> Result<Vec<State>, FitError> {
-        /// Relative step of the depth for slopes, and fraction of the depth at which contacts merge that is used.
+        /// Relative step of the depth for slopes.
         const STEP: f64 = 1e-3;
-        const BEFORE: f64 = 0.995;
         let measured = self.history(settings);
-        let touch = settings.case.first_touch();
-        let (curve, end) = match self.curve_over_time(settings, &measured) {
-            Ok(Some(curve)) => (curve, None),
-            Ok(None) => {
-                let without = |load: &MeasuredLoad| State::without_contact(load.load);
-                return Ok(measured.loads.iter().map(without).collect());
-            }
-            Err(FitError::Solve(SolveError::ContactsMerge { indentation, .. }))
-                if indentation > touch =>
-            {
-                let last = touch + BEFORE * (indentation - touch);
-                let reach = Reach::Indentation(last);
-                let curve = self
-                    .curves
-                    .of(&settings.case, reach, &self.single, &self.solved)?;
-                let problem = format!(
-                    "the contacts of neighbouring tops merge at an indentation of about {indentation:.4e} m"
-                );
-                (curve, Some((last, problem)))
-            }
-            Err(error) => return Err(error),
+        let Some(curve) = self.curve_over_time(settings, &measured)? else {
+            let without = |load: &MeasuredLoad| State::without_contact(load.load);
+            return Ok(measured.loads.iter().map(without).collect());
         };
         let elastic = &curve.elastic;
         let compliance = settings.compliance(self.data.position());
@@ -976,12 +956,6 @@ impl<'a> Model<'a> {
                     })?
                 }
             };
-            if let Some((_, problem)) = end.as_ref().filter(|(last, _)| indentation > *last) {
-                return Ok(State {
-                    problem: Some(problem.clone()),
-                    ..State::without_contact(f64::NAN)
-                });
-            }
             let depth = indentation - elastic.first_touch();
             let force = elastic.force_at(indentation);
             let [below, above] =

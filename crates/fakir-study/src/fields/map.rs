@@ -1,5 +1,6 @@
 //! Fields of a contact on a regular grid.
 
+use fakir::numerics::convergence::clamped;
 use fakir::problem::{Indenter, Point, SurfaceSystem};
 use fakir::state::{AsperityContact, ContactState, FieldSamples, Run, SolveError, SurfaceContact};
 use fakir_case::AsperityCase;
@@ -326,7 +327,7 @@ fn axes_around(case: &AsperityCase, contact: &AsperityContact, points: Option<us
             0.0
         };
         // Odd, so that the centre is one of them.
-        let count = fine.min(affordable).clamp(33.0, USUAL_POINTS as f64);
+        let count = clamped(fine.min(affordable), 33.0, USUAL_POINTS as f64);
         2 * (0.5 * count) as usize + 1
     };
     let count = points.unwrap_or_else(usual);
