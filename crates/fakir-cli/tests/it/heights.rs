@@ -515,7 +515,7 @@ fn the_floor_under_rounded_tops_is_reached_at_the_transition() {
     let indentation = number(&critical, "critical_indentation_m");
     assert_eq!(critical["regime"], "top_first");
     assert!(force > 0.0 && indentation > 40e-6);
-    assert!(number(&critical, "smallest_floor_gap_m") == 0.0);
+    assert!(number(&critical, "smallest_floor_gap_m").abs() <= 0.0);
     assert!(number(&critical["relative_error_estimate"], "force") < 0.05);
     let at = |part: f64| {
         let force = format!("{:e}N", part * force);

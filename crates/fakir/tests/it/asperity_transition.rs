@@ -136,7 +136,7 @@ fn check_single_top(work: f64) {
         let [x, y] = found.floor_contact;
         assert!(y == 0.0 && (x / (r * UM) - 1.0).abs() < 1e-4, "{x} {r}");
         assert!(contact.error.unwrap().force < 1e-6);
-        assert_eq!(contact.floor_gap.unwrap().gap, 0.0);
+        assert!(contact.floor_gap.unwrap().gap.abs() <= 0.0);
     }
     // The contact at a load below it has a gap, and one above it a negative one.
     for (part, sign) in [(0.95, 1.0), (1.01, -1.0)] {
@@ -297,7 +297,7 @@ fn the_floor_may_be_reached_before_any_top() {
     // The lens is 1.8 um above the top when its lowest point is level with it.
     assert_eq!(found.regime, Regime::BottomFirst);
     assert_eq!((found.contact.indentation, found.contact.force), (UM, 0.0));
-    assert_eq!(found.floor_contact, [0.0; 2]);
+    assert!(found.floor_contact.iter().all(|x| x.abs() <= 0.0));
 }
 
 /// Expected: the indentation at which an undeformed lens reaches the floor, as tops without a force do not move it.
@@ -414,11 +414,10 @@ fn found_lens() -> Indenter {
 
 #[test]
 fn three_tops_are_those_of_coarse_boundary_elements() {
-    check_with_boundary_elements(1.2, 0.03);
+    check_with_boundary_elements(1.2, 0.01);
 }
 
 #[test]
-#[ignore = "slow: four times the cells of the quick test, and half its tolerance"]
 fn three_tops_are_those_of_boundary_elements() {
-    check_with_boundary_elements(0.4, 0.01);
+    check_with_boundary_elements(0.4, 0.003);
 }
