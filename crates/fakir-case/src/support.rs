@@ -285,7 +285,7 @@ mod tests {
         let press = "| `press` | yes | yes | yes | yes | yes | yes |";
         assert!(table.contains(press), "{table}");
         assert!(
-            table.contains("| pillars of several diameters and adhesive floor |"),
+            table.contains("| cylinder and periodic surface |"),
             "{table}"
         );
     }

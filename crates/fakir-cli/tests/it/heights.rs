@@ -365,7 +365,7 @@ fn one_rounded_top_is_a_contact_of_hertz() {
     ));
     let text = bench.result(&[&press[..], &["--indentation", "2um"]].concat());
     assert!(
-        text.contains("left out: adhesion; the floor is out of reach"),
+        text.contains("left out: adhesion; the floor carries no load"),
         "{text}"
     );
 }

@@ -18,8 +18,8 @@ const SMALL_CONTACT: f64 = 0.3;
 pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     let adhesive = !answer.field.adhesion().is_none();
     match (answer.floor_is_out_of_reach(), adhesive) {
-        (true, false) => "left out: adhesion; the floor is out of reach",
-        (true, true) => "the floor is out of reach",
+        (true, false) => "left out: adhesion; the floor carries no load",
+        (true, true) => "the floor carries no load",
         (false, false) => "neglected: adhesion, and the load of the floor if it is reached",
         (false, true) => "neglected: the load of the floor if it is reached",
     }
