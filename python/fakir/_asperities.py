@@ -436,8 +436,8 @@ class AsperityTransition(AsperityTransitionNumbers):
     def _rows(self) -> list[Row]:
         x, y = (engineering(value, "m") for value in self.floor_contact)
         return [
-            ("critical force", engineering(self.critical_force, "N")),
-            ("critical indentation", engineering(self.critical_indentation, "m")),
+            ("critical force", engineering(self.force, "N")),
+            ("critical indentation", engineering(self.indentation, "m")),
             ("floor contact", f"at x = {x}, y = {y}"),
             ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
             ("tops in contact", f"{self.pillars_in_contact} of {len(self.contact.tops)}"),

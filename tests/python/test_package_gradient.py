@@ -45,13 +45,13 @@ def test_past_the_transition_as_well():
     """The length of columns and the depth of the floor are exact: compared with differences, in which cells at the edge of the contact change."""
     system = fakir.System.from_file(CASE, overrides=SPARSE)
     found = system.gradient(indentation="4 um")
-    assert found.force is not None and found.contact.floor is not None
+    assert found.force is not None and found.state.floor is not None
     # The force is proportional to the square of all lengths.
-    lengths = ("lens.radius", "pattern.pillar.height", "pattern.pillar.diameter")
-    values = (system.lens.radius, system.pattern.height, system.pattern.diameter)
+    lengths = ("lens.radius", "pattern.pillar.height", "pattern.pillar.diameter", "pattern.pitch")
+    values = (system.lens.radius, system.pattern.height, system.pattern.diameter, system.pitch)
     changes = [found.force[key] * value for key, value in zip(lengths, values, strict=True)]
-    total = sum(changes) + found.stiffness * found.contact.indentation
-    assert total == pytest.approx(2 * found.contact.force, rel=1e-6)
+    total = sum(changes) + found.stiffness * found.state.indentation
+    assert total == pytest.approx(2 * found.state.force, rel=1e-6)
     by_height = changes[1]
 
     def force(factor):
