@@ -343,8 +343,9 @@ class AsperityContact(AsperityPressNumbers):
     ) -> Any:
         points = np.broadcast_arrays(array(x, "length", "x"), array(y, "length", "y"))
         _fakir.check_points(points[0].size, memory_limit)
-        flat = (np.ascontiguousarray(of).reshape(-1) for of in points)
-        samples = self._contact.sample(*flat, options(threads, memory_limit=memory_limit))
+        along_x, along_y = [np.ascontiguousarray(of).reshape(-1) for of in points]
+        run = options(threads, memory_limit=memory_limit)
+        samples = self._contact.sample(along_x, along_y, run)
         return samples[number].reshape(points[0].shape)[()]
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -417,8 +418,10 @@ class AsperityVerification(Opinion):
 
     def _rows(self) -> list[Row]:
         coarse, fine = self.elements
-        answers = [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)]
-        return self._rows_of(answers, [("contact area", self.contact_area)])
+        return self._rows_of(
+            [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)],
+            [("contact area", self.contact_area)],
+        )
 
 
 class AsperityTransition(AsperityTransitionNumbers):

@@ -1229,7 +1229,7 @@ fn derivatives_are_those_of_differences() {
 }
 
 /// Past the transition, where the changes of cells add noise to differences: lengths by Euler's identity (the force is proportional to the
-/// square of all lengths), moduli likewise, and thicknesses by differences over a large step.
+/// square of all lengths), moduli likewise, both as exact as the solution, and thicknesses by differences over a large step.
 #[test]
 #[ignore = "slow: 8 contacts with the floor on layers"]
 fn derivatives_past_the_transition_are_those_of_differences() {
@@ -1247,7 +1247,7 @@ fn derivatives_past_the_transition_are_those_of_differences() {
         };
         let moduli = of(4) + of(6) + of(10);
         println!("share {share}, moduli {:e}", moduli / force - 1.0);
-        assert!(share > 0.02 && (moduli / force - 1.0).abs() < 1e-8);
+        assert!(share > 0.02 && (moduli / force - 1.0).abs() < 1e-7);
         if !load.1 {
             let lengths: f64 = [0, 1, 2, 3, 8, 9].into_iter().map(of).sum();
             let lengths = lengths + found.stiffness * found.contact.indentation;
