@@ -4,7 +4,7 @@
 use crate::shell::{run, run_cargo, target_folder};
 use crate::{book, browser, page, python};
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The script that puts the parts together and serves them.
@@ -65,11 +65,64 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
 }
 
 /// The documentation of all crates.
+///
+/// A crate that is documented while the folder of another one is being written gets links to it without an address. Such crates are documented
+/// again, when all others are there.
 fn documentation(cargo: &OsStr) -> Result<(), String> {
-    run_cargo(
-        cargo,
-        "doc --release --workspace --exclude fakir-checks --exclude fakir-manual --exclude xtask --features fakir-cli/parquet --no-deps --locked",
-    )
+    /// Largest number of passes; one crate at least is complete after each.
+    const PASSES: usize = 4;
+    let folder = target_folder()?.join("doc");
+    for _ in 0..PASSES {
+        run_cargo(
+            cargo,
+            "doc --release --workspace --exclude fakir-checks --exclude fakir-manual --exclude xtask --features fakir-cli/parquet --no-deps --locked",
+        )?;
+        let open = crates_with_open_links(&folder).map_err(|error| error.to_string())?;
+        if open.is_empty() {
+            return Ok(());
+        }
+        for index in open {
+            // Cargo documents a crate again whose first page is missing.
+            std::fs::remove_file(index).map_err(|error| error.to_string())?;
+        }
+    }
+    Err("the documentation has links without an address: see the check of links".to_owned())
+}
+
+/// First pages of the documented crates with a link to an item of another crate by its path in Rust, as `fakir_case::Study`.
+fn crates_with_open_links(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut open = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let index = entry?.path().join("index.html");
+        let is_ours = (index.parent().and_then(Path::file_name)).is_some_and(|name| {
+            name.to_string_lossy()
+                .trim_start_matches('_')
+                .starts_with("fakir")
+        });
+        if is_ours && index.is_file() && has_open_link(index.parent().unwrap_or(folder))? {
+            open.push(index);
+        }
+    }
+    Ok(open)
+}
+
+fn has_open_link(folder: &Path) -> std::io::Result<bool> {
+    for entry in std::fs::read_dir(folder)? {
+        let path = entry?.path();
+        let found = if path.is_dir() {
+            has_open_link(&path)?
+        } else if path.extension() == Some(OsStr::new("html")) {
+            let text = std::fs::read_to_string(&path)?;
+            let mut targets = text.split("href=\"fakir").skip(1);
+            targets.any(|rest| rest.split('"').next().is_some_and(|of| of.contains("::")))
+        } else {
+            false
+        };
+        if found {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Builds the page and puts all parts together; returns the folder of the site.

@@ -3,7 +3,7 @@
 //!
 //! The value is a root of `g(x) = ln(result(x)/target)` over `ln x`. It is bracketed by steps of doubling length,
 //! starting from the root for the homogenised lattice (a thousand times faster) or from the value in the case
-//! file. The [bracketing method](fakir::numerics::roots) that all searches share then refines it and
+//! file. The bracketing method that all searches share then refines it and
 //! distinguishes a root from a jump. If the lens would penetrate too far to be solved, the result counts as too
 //! large; if the lens touches the floor first, as zero.
 //!
