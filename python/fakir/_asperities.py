@@ -17,7 +17,7 @@ from ._design import SEED
 from ._format import Row, engineering
 from ._history import Viscoelastic
 from ._numbers import AsperityCycleNumbers, AsperityPressNumbers, AsperityTransitionNumbers
-from ._quantity import FloatArray, Quantity, array, si
+from ._quantity import FloatArray, Quantity, array, flat, points_at, si
 from ._result import Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, overrides_of, settings
@@ -341,12 +341,11 @@ class AsperityContact(AsperityPressNumbers):
     def _field(
         self, number: int, x: object, y: object, threads: int, memory_limit: int | None
     ) -> Any:
-        points = np.broadcast_arrays(array(x, "length", "x"), array(y, "length", "y"))
-        _fakir.check_points(points[0].size, memory_limit)
-        along_x, along_y = [np.ascontiguousarray(of).reshape(-1) for of in points]
+        across, along = points_at(x, y)
+        _fakir.check_points(across.size, memory_limit)
         run = options(threads, memory_limit=memory_limit)
-        samples = self._contact.sample(along_x, along_y, run)
-        return samples[number].reshape(points[0].shape)[()]
+        samples = self._contact.sample(flat(across), flat(along), run)
+        return samples[number].reshape(across.shape)[()]
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every top: the columns of ``pillars.csv``."""

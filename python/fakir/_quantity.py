@@ -98,6 +98,23 @@ def array(values: object, dimension: Dimension, name: str) -> FloatArray:
     return result
 
 
+def points_at(x: object, y: object) -> tuple[FloatArray, FloatArray]:
+    """Coordinates of points, m, which are broadcast."""
+    across, along = array(x, "length", "x"), array(y, "length", "y")
+    try:
+        across, along = np.broadcast_arrays(across, along)
+    except ValueError:
+        raise ValueError(
+            f"x of shape {across.shape} and y of shape {along.shape} cannot be broadcast together"
+        ) from None
+    return across, along
+
+
+def flat(values: FloatArray) -> FloatArray:
+    """The values in one dimension; arrays that were broadcast have no separate memory yet."""
+    return np.ascontiguousarray(values).reshape(-1)
+
+
 def _without_unit(value: WithUnit, dimension: Dimension, name: str) -> Any:
     try:
         return value.to(UNITS[dimension]).magnitude

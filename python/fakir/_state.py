@@ -11,7 +11,7 @@ from . import _fakir
 from ._floor import FloorContact
 from ._format import Row, engineering, known_digits, remark
 from ._numbers import PressNumbers, TransitionNumbers
-from ._quantity import FloatArray, array
+from ._quantity import FloatArray, array, flat, points_at
 from ._run import options, warn
 from .errors import FakirError, NotConverged
 
@@ -127,9 +127,9 @@ class ContactState(PressNumbers):
 
     def on_pillar(self, x: object, y: object) -> Any:
         """Whether points are on a pillar top rather than above the floor."""
-        points = np.broadcast_arrays(array(x, "length", "x"), array(y, "length", "y"))
-        found = self._state.on_pillar(*(np.ascontiguousarray(p).reshape(-1) for p in points))
-        return found.reshape(points[0].shape)[()]
+        across, along = points_at(x, y)
+        found = self._state.on_pillar(flat(across), flat(along))
+        return found.reshape(across.shape)[()]
 
     def on_grid(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
@@ -163,22 +163,15 @@ class ContactState(PressNumbers):
     def _field(
         self, number: int, x: object, y: object, threads: int, memory_limit: int | None
     ) -> Any:
-        across, along = array(x, "length", "x"), array(y, "length", "y")
-        try:
-            points = np.broadcast_arrays(across, along)
-        except ValueError:
-            raise ValueError(
-                f"x of shape {across.shape} and y of shape {along.shape} cannot be broadcast together"
-            ) from None
-        return self._samples(points[0], points[1], threads, memory_limit)[number][()]
+        across, along = points_at(x, y)
+        return self._samples(across, along, threads, memory_limit)[number][()]
 
     def _samples(
         self, x: FloatArray, y: FloatArray, threads: int, memory_limit: int | None
     ) -> list[FloatArray]:
-        # Arrays that were broadcast have no separate memory yet.
         _fakir.check_points(x.size, memory_limit)
-        flat = (np.ascontiguousarray(x).reshape(-1), np.ascontiguousarray(y).reshape(-1))
-        found = self._state.sample(*flat, options(threads, memory_limit=memory_limit))
+        run = options(threads, memory_limit=memory_limit)
+        found = self._state.sample(flat(x), flat(y), run)
         return self._shaped(found, x, y)
 
     def _shaped(

@@ -5,7 +5,7 @@ use crate::error::{
     PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
 use crate::load::{load, plan};
-use crate::samples::{Field, arrays};
+use crate::samples::{Field, arrays, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
@@ -237,8 +237,7 @@ impl AsperityContact {
         y: PyReadonlyArray1<'py, f64>,
         options: Options,
     ) -> PyResult<[Field<'py>; 3]> {
-        let points = x.as_slice()?.iter().zip(y.as_slice()?);
-        let points: Vec<[f64; 2]> = points.map(|(x, y)| [*x, *y]).collect();
+        let points = points(&x, &y)?;
         let fields = self.contact.fields(&self.case.field, self.case.height);
         let fields = fields.ok_or_else(|| value_error("the contact has no fields"))?;
         let samples = watched(py, &options, |run| fields.sample(&points, run))?;

@@ -4,7 +4,7 @@ use crate::answer::{Answer, warnings};
 use crate::case::Case;
 use crate::error::{approach_error, solve_error};
 use crate::load::{load, load_or_critical, path, plan};
-use crate::samples::{Field, arrays};
+use crate::samples::{Field, arrays, points};
 use crate::study::columns;
 use crate::watched::{Options, watched};
 use fakir::problem::{ElementMesh, Method, Point};
@@ -60,12 +60,7 @@ impl State {
         y: PyReadonlyArray1<'py, f64>,
         options: Options,
     ) -> PyResult<Option<[Field<'py>; 3]>> {
-        let points: Vec<Point> = x
-            .as_slice()?
-            .iter()
-            .zip(y.as_slice()?)
-            .map(|(x, y)| [*x, *y])
-            .collect();
+        let points = points(&x, &y)?;
         let samples = watched(py, &options, |run| self.state.sample(&points, run))?;
         samples
             .map(|samples| Some(arrays(py, samples?)))
@@ -96,9 +91,8 @@ impl State {
         y: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<bool>>> {
         let tops = self.state.system.tops();
-        let on_pillar = |(x, y): (&f64, &f64)| tops.holds([*x, *y]);
-        let points = x.as_slice()?.iter().zip(y.as_slice()?);
-        Ok(PyArray1::from_iter(py, points.map(on_pillar)))
+        let on_pillar = points(&x, &y)?.into_iter().map(|point| tops.holds(point));
+        Ok(PyArray1::from_iter(py, on_pillar))
     }
 }
 

@@ -5,7 +5,7 @@ use crate::numbers::{DIGITS, seconds, significant};
 use crate::session::Session;
 use fakir::problem::{Accuracy, ElementMesh, Load, Method};
 use fakir::state::ContactState;
-use fakir::{Verdict, Verification};
+use fakir::{Difference, Verdict, Verification};
 use fakir_case::unit::Dimension;
 use fakir_case::{AnyCase, AsperityCase, Case, CaseFile, FlatCase};
 use fakir_study::answer::described;
@@ -183,43 +183,20 @@ fn of_flat(
     let start = Instant::now();
     let found = fakir::verify_flat(&case.system, control, cells, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
-    let described = described(any)?;
-    let summary = SurfaceVerifySummary::of_flat(&case.system, control, &found, wall_time);
-    let rows = summary.answers();
-    let verdict = verdict_words(found.verdict());
     let [of_disc, of_elements] = [
         warnings(&found.disc),
         found.elements.iter().flat_map(warnings).collect(),
     ];
-    let mut topics = described.topics;
-    topics.push(Topic::Surface {
-        periodic: false,
-        random: false,
-    });
-    Ok(Report {
-        json: json(&summary),
-        text: format!(
-            "Verification by an independent method\n{}\n\n{}\n{}{}\n{verdict}, in {}.\n",
-            described.lines[0],
-            mesh_table("Answer", rows),
-            difference("force", found.force),
-            difference("indentation", found.indentation),
-            seconds(wall_time)
-        ),
-        provenance: Provenance::new(
-            control_words(control),
-            format!(
-                "{} against boundary elements, {cells} cells across the contact",
-                described.method
-            ),
-            &topics,
-            case.to_toml(),
-        ),
-        tables: vec![csv("verify.csv", rows)],
+    let summary = SurfaceVerifySummary::of_flat(&case.system, control, &found, wall_time);
+    let compared = AgainstElements {
+        summary: &summary,
+        differences: vec![("force", found.force), ("indentation", found.indentation)],
+        verdict: found.verdict(),
+        cells: format!("{cells} cells across the contact"),
+        toml: case.to_toml(),
         warnings: [of_disc, of_elements].concat(),
-        converged: found.agrees(),
-        exceeded: Vec::new(),
-    })
+    };
+    compared.report(any, control, wall_time)
 }
 
 /// Rounded tops with a disc of contact on each, and with boundary elements.
@@ -238,40 +215,72 @@ fn of_asperities(
     let start = Instant::now();
     let found = fakir::verify_asperities(&case.field, control, cells, &session.run())?;
     let wall_time = start.elapsed().as_secs_f64();
-    let described = described(any)?;
     let summary = SurfaceVerifySummary::of_asperities(&case.field, control, &found, wall_time);
-    let rows = summary.answers();
-    let verdict = verdict_words(found.verdict());
-    let mut topics = described.topics;
-    topics.push(Topic::Surface {
-        periodic: false,
-        random: false,
-    });
-    Ok(Report {
-        json: json(&summary),
-        text: format!(
-            "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
-            described.lines[0],
-            mesh_table("Answer", rows),
-            difference("force", found.force),
-            difference("indentation", found.indentation),
-            difference("the contact area", found.area),
-            seconds(wall_time)
-        ),
-        provenance: Provenance::new(
-            control_words(control),
-            format!(
-                "{} against boundary elements, {cells} cells across every contact",
-                described.method
-            ),
-            &topics,
-            case.to_toml(),
-        ),
-        tables: vec![csv("verify.csv", rows)],
+    let compared = AgainstElements {
+        summary: &summary,
+        differences: vec![
+            ("force", found.force),
+            ("indentation", found.indentation),
+            ("the contact area", found.area),
+        ],
+        verdict: found.verdict(),
+        cells: format!("{cells} cells across every contact"),
+        toml: case.to_toml(),
         warnings: asperity_warnings(AsperityAnswer::of(case, &found.discs)),
-        converged: found.agrees(),
-        exceeded: Vec::new(),
-    })
+    };
+    compared.report(any, control, wall_time)
+}
+
+/// A contact as discs, compared with boundary elements.
+struct AgainstElements<'a> {
+    summary: &'a SurfaceVerifySummary,
+    differences: Vec<(&'static str, Difference)>,
+    verdict: Verdict,
+    /// The number of cells in words.
+    cells: String,
+    /// The case.
+    toml: String,
+    warnings: Vec<String>,
+}
+
+impl AgainstElements<'_> {
+    fn report(self, any: &AnyCase, control: Load, wall_time: f64) -> Result<Report, Failure> {
+        let described = described(any)?;
+        let rows = self.summary.answers();
+        let differences = self.differences.iter();
+        let differences: String = differences
+            .map(|(name, of)| difference(name, *of))
+            .collect();
+        let converged = self.verdict == Verdict::Agree;
+        let mut topics = described.topics;
+        topics.push(Topic::Surface {
+            periodic: false,
+            random: false,
+        });
+        Ok(Report {
+            json: json(self.summary),
+            text: format!(
+                "Verification by an independent method\n{}\n\n{}\n{differences}\n{}, in {}.\n",
+                described.lines[0],
+                mesh_table("Answer", rows),
+                verdict_words(self.verdict),
+                seconds(wall_time)
+            ),
+            provenance: Provenance::new(
+                control_words(control),
+                format!(
+                    "{} against boundary elements, {}",
+                    described.method, self.cells
+                ),
+                &topics,
+                self.toml,
+            ),
+            tables: vec![csv("verify.csv", rows)],
+            warnings: self.warnings,
+            converged,
+            exceeded: Vec::new(),
+        })
+    }
 }
 
 fn mesh_table(heading: &'static str, rows: &[MeshRow]) -> String {

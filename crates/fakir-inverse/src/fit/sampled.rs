@@ -216,15 +216,7 @@ impl Sampled {
             let seeds = entries.last().map(|entry| entry.rows.clone());
             (known.map(|entry| Arc::clone(&entry.table)), seeds)
         };
-        let mut refining = Refining {
-            model,
-            case: settings.pillars()?,
-            settings: &settings,
-            readings: &readings,
-            tolerance,
-            compliance: settings.compliance(model.data.position()),
-            by_force: model.data.position() == Position::None,
-        };
+        let mut refining = Refining::new(model, &settings, &readings, tolerance)?;
         let (mut table, first) = match known {
             Some(table) => (Arc::unwrap_or_clone(table), Vec::new()),
             None => (
@@ -261,15 +253,7 @@ impl Sampled {
         let settings = model.settings(unknowns)?;
         let mut readings = self.readings(model, &settings);
         readings.retain(|reading| rows.contains(&reading.row));
-        let refining = Refining {
-            model,
-            case: settings.pillars()?,
-            settings: &settings,
-            readings: &readings,
-            tolerance,
-            compliance: settings.compliance(model.data.position()),
-            by_force: model.data.position() == Position::None,
-        };
+        let refining = Refining::new(model, &settings, &readings, tolerance)?;
         let mut table = Table::new(refining.origin());
         refining.solve(&mut table, refining.loads(&known))?;
         if !refining.by_force {
@@ -650,7 +634,25 @@ struct Refining<'m, 'a> {
     by_force: bool,
 }
 
-impl Refining<'_, '_> {
+impl<'m, 'a> Refining<'m, 'a> {
+    fn new(
+        model: &'m Model<'a>,
+        settings: &'m Settings,
+        readings: &'m [Reading],
+        tolerance: Tolerance,
+    ) -> Result<Self, FitError> {
+        let position = model.data.position();
+        Ok(Self {
+            model,
+            case: settings.pillars()?,
+            settings,
+            readings,
+            tolerance,
+            compliance: settings.compliance(position),
+            by_force: position == Position::None,
+        })
+    }
+
     /// Loads of a new table: those of the rows of the last table, or of rows at equal distances.
     fn first_loads(&self, seeds: Option<&[usize]>) -> Vec<f64> {
         let (Some(first), Some(last)) = (self.readings.first(), self.readings.last()) else {

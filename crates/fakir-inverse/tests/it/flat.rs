@@ -98,30 +98,33 @@ fn hertz() -> Vec<(Column, Vec<f64>)> {
     ]
 }
 
-/// The readings of a contact of Johnson, Kendall and Roberts: `adhesive_sphere` in the contact radius, inverted here by bisection. The lens jumps into contact
-/// at indentation 0 and leaves at the smallest indentation.
-fn jkr() -> Vec<(Column, Vec<f64>)> {
-    let modulus = reduced(TRUE_MODULUS);
-    let last = sphere_pull_off_by_displacement(modulus, RADIUS, TRUE_WORK);
-    let force = |branch: Branch, depth: f64| {
-        let is_apart = match branch {
-            Branch::Loading => depth < 0.0,
-            Branch::Unloading => depth < last.indentation,
-        };
-        if is_apart {
-            return 0.0;
-        }
-        let (mut low, mut high) = (last.radius, 0.2 * RADIUS);
-        for _ in 0..200 {
-            let middle = f64::midpoint(low, high);
-            if adhesive_sphere(modulus, RADIUS, TRUE_WORK, middle).indentation < depth {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        adhesive_sphere(modulus, RADIUS, TRUE_WORK, low).force
+/// The force of a contact of Johnson, Kendall and Roberts of a work of adhesion on a branch at an indentation: `adhesive_sphere` in the contact
+/// radius, inverted here by bisection. The lens jumps into contact at indentation 0 and leaves at the smallest indentation.
+pub(super) fn jkr_force([modulus, radius, work]: [f64; 3], branch: Branch, depth: f64) -> f64 {
+    let last = sphere_pull_off_by_displacement(modulus, radius, work);
+    let is_apart = match branch {
+        Branch::Loading => depth < 0.0,
+        Branch::Unloading => depth < last.indentation,
     };
+    if is_apart {
+        return 0.0;
+    }
+    let (mut low, mut high) = (last.radius, 0.4 * radius);
+    for _ in 0..200 {
+        let middle = f64::midpoint(low, high);
+        if adhesive_sphere(modulus, radius, work, middle).indentation < depth {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    adhesive_sphere(modulus, radius, work, low).force
+}
+
+/// Its readings.
+fn jkr() -> Vec<(Column, Vec<f64>)> {
+    let of = [reduced(TRUE_MODULUS), RADIUS, TRUE_WORK];
+    let force = |branch, depth| jkr_force(of, branch, depth);
     let depths = (-15..=20).map(|k| 0.25e-6 * f64::from(k));
     let loading = depths.clone().map(|depth| (Branch::Loading, depth));
     let unloading = depths.rev().skip(1).map(|depth| (Branch::Unloading, depth));

@@ -1,11 +1,10 @@
 //! Fits of measurements on rounded tops, to data from closed forms of one top, and from contacts of many, with known parameters.
 
-use super::flat::{close, covers, fitted, value};
+use super::flat::{close, covers, fitted, jkr_force, value};
 use chacha20::ChaCha12Rng;
 use chacha20::rand_core::SeedableRng;
 use fakir::problem::{Accuracy, Load};
 use fakir::state::{Branch, Run};
-use fakir::theory::adhesion::{adhesive_sphere, sphere_pull_off_by_displacement};
 use fakir_case::{CaseFile, Key};
 use fakir_inverse::fit::{Column, FitError, FitOptions, Measurements, Parameter, fit};
 use rand_distr::{Distribution, Normal};
@@ -159,27 +158,8 @@ fn a_modulus_is_found_again_from_many_tops_with_a_machine() {
 
 /// Loading and unloading of one top of Johnson, Kendall and Roberts.
 fn jkr() -> Measurements {
-    let modulus = reduced(TRUE_MODULUS);
-    let last = sphere_pull_off_by_displacement(modulus, RADIUS, TRUE_WORK);
-    let force = |branch: Branch, depth: f64| {
-        let is_apart = match branch {
-            Branch::Loading => depth < 0.0,
-            Branch::Unloading => depth < last.indentation,
-        };
-        if is_apart {
-            return 0.0;
-        }
-        let (mut low, mut high) = (last.radius, 0.4 * RADIUS);
-        for _ in 0..200 {
-            let middle = f64::midpoint(low, high);
-            if adhesive_sphere(modulus, RADIUS, TRUE_WORK, middle).indentation < depth {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        adhesive_sphere(modulus, RADIUS, TRUE_WORK, low).force
-    };
+    let of = [reduced(TRUE_MODULUS), RADIUS, TRUE_WORK];
+    let force = |branch, depth| jkr_force(of, branch, depth);
     let depths = (-12..=24).map(|k| 0.25e-6 * (f64::from(k) + 0.4));
     let loading = depths.clone().map(|depth| (Branch::Loading, depth));
     let unloading = depths.rev().skip(1).map(|depth| (Branch::Unloading, depth));

@@ -118,30 +118,15 @@ impl FieldMap {
         let on_pillar: Vec<i8> = positions()
             .map(|position| fields.is_on_pillar(position).into())
             .collect();
-        let variables = vec![
-            Variable {
-                name: "pressure",
-                long_name: "contact pressure",
-                comment: "The mean over the cell around each point, half a spacing each way: at the \
-                          rim of a covered pillar the pressure itself is infinite. The sum over points \
-                          times the area of a cell is the force."
-                    .to_owned(),
-                values: Values::Numbers("Pa", samples.pressure),
-            },
-            Variable {
-                name: "gap",
-                long_name: "gap between the lens and the surface below it",
-                comment: "To the pillar top where there is one, to the floor elsewhere.".to_owned(),
-                values: Values::Numbers("m", samples.gap),
-            },
-            Variable {
-                name: "displacement",
-                long_name: "by how much the pressure has moved the two surfaces apart",
-                comment: "Sum over both bodies, without the shortening of the pillars.".to_owned(),
-                values: Values::Numbers("m", samples.displacement),
-            },
-            on_pillar_variable(on_pillar),
-        ];
+        let variables = sampled(
+            samples,
+            [
+                "The mean over the cell around each point, half a spacing each way: at the rim of a covered pillar the pressure itself is infinite. The \
+                 sum over points times the area of a cell is the force.",
+                "To the pillar top where there is one, to the floor elsewhere.",
+            ],
+            on_pillar,
+        );
         Ok(Some(Self {
             x: axis,
             y: axis,
@@ -174,37 +159,15 @@ impl FieldMap {
         let (along_x, along_y) = (x.coordinates(), y.coordinates());
         let samples = fields.on_grid(&along_x, &along_y, run)?;
         let on_top = positions(&along_x, &along_y).map(|at| fields.is_on_top(at).into());
-        let numbers = |name, unit, long_name, comment: &str, values| Variable {
-            name,
-            long_name,
-            comment: comment.to_owned(),
-            values: Values::Numbers(unit, values),
-        };
-        let variables = vec![
-            numbers(
-                "pressure",
-                "Pa",
-                "contact pressure",
+        let variables = sampled(
+            samples,
+            [
                 "The mean of 16 points in the cell around each point, half a spacing each way. The sum over points times the area of a cell is \
                  about the force.",
-                samples.pressure,
-            ),
-            numbers(
-                "gap",
-                "m",
-                "gap between the lens and the surface below it",
                 "To the top where there is one, to the floor elsewhere, which is not touched.",
-                samples.gap,
-            ),
-            numbers(
-                "displacement",
-                "m",
-                "by how much the pressure has moved the two surfaces apart",
-                "Sum over both bodies, without the shortening of the pillars.",
-                samples.displacement,
-            ),
-            on_pillar_variable(on_top.collect()),
-        ];
+            ],
+            on_top.collect(),
+        );
         Ok(Some(Self {
             x,
             y,
@@ -238,11 +201,8 @@ impl FieldMap {
             spacing,
             count,
         };
-        let numbers = |name, unit, long_name, comment: &str, values: &[f64]| Variable {
-            name,
-            long_name,
-            comment: comment.to_owned(),
-            values: Values::Numbers(unit, values.to_owned()),
+        let numbers = |name, unit, long_name, comment, values: &[f64]| {
+            numbers(name, unit, long_name, comment, values.to_owned())
         };
         let surface = system.surface();
         let mut variables = vec![
@@ -289,6 +249,53 @@ impl FieldMap {
             variables,
         })
     }
+}
+
+fn numbers(
+    name: &'static str,
+    unit: &'static str,
+    long_name: &'static str,
+    comment: &str,
+    values: Vec<f64>,
+) -> Variable {
+    Variable {
+        name,
+        long_name,
+        comment: comment.to_owned(),
+        values: Values::Numbers(unit, values),
+    }
+}
+
+/// The fields of discs of contact, with notes on pressure and gap.
+fn sampled(
+    samples: FieldSamples,
+    [on_pressure, on_gap]: [&str; 2],
+    on_pillar: Vec<i8>,
+) -> Vec<Variable> {
+    vec![
+        numbers(
+            "pressure",
+            "Pa",
+            "contact pressure",
+            on_pressure,
+            samples.pressure,
+        ),
+        numbers(
+            "gap",
+            "m",
+            "gap between the lens and the surface below it",
+            on_gap,
+            samples.gap,
+        ),
+        numbers(
+            "displacement",
+            "m",
+            "by how much the pressure has moved the two surfaces apart",
+            "Sum over both bodies, without the shortening of the pillars.",
+            samples.displacement,
+        ),
+        on_pillar_variable(on_pillar),
+    ]
 }
 
 /// Both axes of a map of rounded tops, with the same spacing.

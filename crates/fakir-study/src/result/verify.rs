@@ -5,7 +5,7 @@ use crate::record::{DISC, METHOD, boundary_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
 use fakir::problem::{AsperityArray, Boundary, FlatSystem, Load, Method};
 use fakir::state::{AsperityContact, AsperityElements, ContactState, FlatContact, SurfaceContact};
-use fakir::{AsperityVerification, Difference, FlatVerification, Verification};
+use fakir::{AsperityVerification, Difference, FlatVerification, Verdict, Verification};
 use serde::Serialize;
 
 /// One of the results: a row of `verify.csv`.
@@ -262,28 +262,21 @@ impl SurfaceVerifySummary {
         verification: &FlatVerification,
         wall_time: f64,
     ) -> Self {
-        let verdict = verification.verdict();
         let differences = |of| differences(&verification.force, &verification.indentation, of);
         let elements = verification.elements.iter().zip(verification.cells);
         let elements = elements.map(|(contact, cells)| MeshRow {
             name: format!("elements, {cells} cells"),
             ..MeshRow::new(contact, cells)
         });
-        Self {
-            question: question_name(control),
-            indenter: system.lens().map_or("punch", |_| "lens"),
-            boundary: boundary_name(Boundary::FreeSpace),
-            agree: verification.agrees(),
-            verdict: verdict.name(),
-            doubt: verdict.doubt().map(|doubt| doubt.to_string()),
-            relative_difference: differences(|difference| difference.relative),
-            allowed_difference: differences(|difference| difference.allowed),
-            answers: std::iter::once(MeshRow::of_disc(&verification.disc))
-                .chain(elements)
-                .collect(),
-            wall_time_s: wall_time,
-            fakir_version: VERSION,
-        }
+        let answers = std::iter::once(MeshRow::of_disc(&verification.disc)).chain(elements);
+        Self::of_discs(
+            control,
+            system.lens().map_or("punch", |_| "lens"),
+            &verification.verdict(),
+            &differences,
+            answers.collect(),
+            wall_time,
+        )
     }
 
     /// The results with rounded tops, that with discs first.
@@ -294,23 +287,41 @@ impl SurfaceVerifySummary {
         verification: &AsperityVerification,
         wall_time: f64,
     ) -> Self {
-        let verdict = verification.verdict();
         let differences = |of: fn(&Difference) -> f64| Differences {
             contact_area: Some(of(&verification.area)),
             ..differences(&verification.force, &verification.indentation, of)
         };
+        let elements = verification.elements.iter().map(MeshRow::of_tops);
+        let answers = std::iter::once(MeshRow::of_discs(&verification.discs)).chain(elements);
+        Self::of_discs(
+            control,
+            indenter_name(array.indenter()),
+            &verification.verdict(),
+            &differences,
+            answers.collect(),
+            wall_time,
+        )
+    }
+
+    /// Discs of contact against elements.
+    fn of_discs(
+        control: Load,
+        indenter: &'static str,
+        verdict: &Verdict,
+        differences: &dyn Fn(fn(&Difference) -> f64) -> Differences,
+        answers: Vec<MeshRow>,
+        wall_time: f64,
+    ) -> Self {
         Self {
             question: question_name(control),
-            indenter: indenter_name(array.indenter()),
+            indenter,
             boundary: boundary_name(Boundary::FreeSpace),
-            agree: verification.agrees(),
+            agree: *verdict == Verdict::Agree,
             verdict: verdict.name(),
             doubt: verdict.doubt().map(|doubt| doubt.to_string()),
             relative_difference: differences(|difference| difference.relative),
             allowed_difference: differences(|difference| difference.allowed),
-            answers: std::iter::once(MeshRow::of_discs(&verification.discs))
-                .chain(verification.elements.iter().map(MeshRow::of_tops))
-                .collect(),
+            answers,
             wall_time_s: wall_time,
             fakir_version: VERSION,
         }

@@ -208,13 +208,13 @@ impl ContactState {
 }
 
 /// The points of a grid, by rows.
-fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
+pub(super) fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
     let row = |&y: &f64| x.iter().map(move |&x| [x, y]);
     y.iter().flat_map(row).collect()
 }
 
 /// Values at points, computed in batches on the threads of a run.
-fn in_batches<T: Copy + Send>(
+pub(super) fn in_batches<T: Copy + Send>(
     points: &[Point],
     batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
     run: &Run<'_>,

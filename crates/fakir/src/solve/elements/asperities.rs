@@ -13,6 +13,7 @@
 //! or not, so that the error of the area is at least a fraction of the cells along the edges.
 
 use super::solver::{self, Prescribed, Settings};
+use super::surface_level::EDGE;
 use crate::halfspace::elements::Columns;
 use crate::halfspace::elements::scattered::{Interactions, PlacedGrid, ScatteredGrids};
 use crate::numerics::convergence::{larger, smaller};
@@ -39,9 +40,6 @@ const TOLERANCE: f64 = 1e-9;
 /// Factor on differences between the numbers of cells. Forces converge about in proportion to the square of the cell size, so that the last
 /// difference alone is three times the remaining error on contacts with free edges; at the rims of filled tops, convergence is slower.
 const SAFETY: f64 = 1.5;
-
-/// Uncertain fraction of a cell per side of a cell along the edge of a contact: see [`super::surface`].
-const EDGE: f64 = 0.25;
 
 /// Additional separation of cells beyond a rim, in units of the largest length.
 const FAR: f64 = 10.0;

@@ -41,7 +41,7 @@ const BORDER_TOLERANCE: f64 = 1e-6;
 
 /// Uncertain fraction of a cell per side of a cell along the edge of a contact. Under a sphere, the contact radius is uncertain by 0.64
 /// cells, of which at least 0.14 are missing and at most 0.47 in excess (test of areas under a sphere).
-const EDGE: f64 = 0.25;
+pub(super) const EDGE: f64 = 0.25;
 
 /// Memory per cell of the surface, bytes: heights, separation, start and the returned fields.
 const BYTES_PER_CELL: usize = 60;
