@@ -105,7 +105,10 @@ def test_versions_lead_to_each_other(visit):
 def test_the_search_of_the_manual_finds(visit, served, word, page):
     tab, _ = visit
     tab.get_by_role("link", name="Manual", exact=True).click()
+    # The button works once the scripts have run, and keys before it has shown the field would go to the page.
+    tab.wait_for_url("**/manual/**")
     tab.locator("#mdbook-search-toggle").click()
+    tab.locator("#mdbook-searchbar").wait_for()
     tab.locator("#mdbook-searchbar").press_sequentially(word)
     results = tab.locator("#mdbook-searchresults li a")
     results.first.wait_for()
