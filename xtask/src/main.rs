@@ -7,6 +7,7 @@ mod book;
 mod browser;
 mod campaign;
 mod instructions;
+mod lanes;
 mod package;
 mod page;
 mod passed;
@@ -28,7 +29,16 @@ enum Tier {
     /// By `cargo xtask test`: minutes on two cores.
     First,
     /// By `cargo xtask test all` besides.
-    Second,
+    Second(Lane),
+}
+
+/// Checks of the second tier run in two lanes side by side, as many of them wait for one process.
+///
+/// Those of one lane run one after another: they use the same environment of Python, or what those before them have built.
+#[derive(Clone, Copy, PartialEq)]
+enum Lane {
+    Solvers,
+    Publications,
 }
 
 struct Check {
@@ -54,11 +64,12 @@ const fn first(
 }
 
 const fn second(
+    lane: Lane,
     name: &'static str,
     summary: &'static str,
     run: fn(&OsStr) -> Result<(), String>,
 ) -> Check {
-    let tier = Tier::Second;
+    let tier = Tier::Second(lane);
     Check {
         name,
         summary,
@@ -67,7 +78,7 @@ const fn second(
     }
 }
 
-/// All checks in the order in which they run: each builds upon what those before it have built.
+/// All checks in the order in which they run: each builds upon what those of its lane before it have built.
 const CHECKS: [Check; 15] = [
     first("formatting", "cargo fmt", |cargo| {
         run_cargo(cargo, "fmt --all -- --check")
@@ -88,37 +99,69 @@ const CHECKS: [Check; 15] = [
         "the explorer in a browser, in short",
         browser::quick,
     ),
-    second("slow-tests", "tests that are marked slow", tests::slow),
-    second("slow-python", "slow tests of the package", python::slow),
-    second(
-        "instructions",
-        "counts of instructions",
-        instructions::check,
-    ),
-    second("campaign", "random systems", campaign::check),
-    second("lints", "cargo clippy", |cargo| {
+    second(Lane::Solvers, "lints", "cargo clippy", |cargo| {
         run_cargo(
             cargo,
             "clippy --release --workspace --all-targets --features fakir-cli/parquet,fakir/kernels --locked -- -D warnings",
         )
     }),
-    second("documentation", "cargo doc and its examples", |cargo| {
-        run_cargo(
-            cargo,
-            "doc --release --workspace --features fakir-cli/parquet --no-deps --locked",
-        )?;
-        run_cargo(
-            cargo,
-            "test --release --workspace --exclude fakir-checks --exclude fakir-manual --doc --locked",
-        )
-    }),
-    second("book", "every block of the manual", book::check),
-    second("browser", "the whole page in a browser", browser::slow),
-    second("site", "the static site in a browser", site::check),
     second(
+        Lane::Solvers,
+        "slow-tests",
+        "tests that are marked slow",
+        tests::slow,
+    ),
+    second(
+        Lane::Solvers,
+        "instructions",
+        "counts of instructions",
+        instructions::check,
+    ),
+    second(Lane::Solvers, "campaign", "random systems", campaign::check),
+    second(
+        Lane::Solvers,
         "package",
         "what is published, installed and used",
         release::check,
+    ),
+    second(
+        Lane::Publications,
+        "book",
+        "every block of the manual",
+        book::check,
+    ),
+    second(
+        Lane::Publications,
+        "browser",
+        "the whole page in a browser",
+        browser::slow,
+    ),
+    second(
+        Lane::Publications,
+        "slow-python",
+        "slow tests of the package",
+        python::slow,
+    ),
+    second(
+        Lane::Publications,
+        "documentation",
+        "cargo doc and its examples",
+        |cargo| {
+            run_cargo(
+                cargo,
+                "doc --release --workspace --features fakir-cli/parquet --no-deps --locked",
+            )?;
+            run_cargo(
+                cargo,
+                "test --release --workspace --exclude fakir-checks --exclude fakir-manual --doc --locked",
+            )
+        },
+    ),
+    second(
+        Lane::Publications,
+        "site",
+        "the static site in a browser",
+        site::check,
     ),
 ];
 
@@ -139,14 +182,14 @@ fn main() -> ExitCode {
         ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|check| check.tier == Tier::First),
         ["test", "all"] => run_checks(|_| true),
-        ["test", "rest"] => run_checks(|check| check.tier == Tier::Second),
+        ["test", "rest"] => run_checks(|check| check.tier != Tier::First),
         ["test", "times"] => run_one(&cargo(), "times", times::print),
         ["test", only] if named(only) => run_checks(|check| check.name == only),
         _ => {
-            let names = |tier| {
+            let names = |is_first| {
                 let names: Vec<&str> = CHECKS
                     .iter()
-                    .filter(|check| check.tier == tier)
+                    .filter(|check| (check.tier == Tier::First) == is_first)
                     .map(|check| check.name)
                     .collect();
                 names.join(", ")
@@ -168,8 +211,8 @@ fn main() -> ExitCode {
                                                     random systems: do error estimates cover the errors?\n       \
                  cargo xtask campaign --combinations [--cells N] [--seed S] [--only QUESTION,LENS,ARRANGEMENT,PHYSICS]\n       \
                                                     every combination: answered or refused with a reason, and compared?",
-                names(Tier::First),
-                names(Tier::Second)
+                names(true),
+                names(false)
             );
             ExitCode::from(2)
         }
@@ -179,24 +222,49 @@ fn main() -> ExitCode {
 fn run_checks(selected: impl Fn(&Check) -> bool) -> ExitCode {
     let cargo = cargo();
     let checks: Vec<&Check> = CHECKS.iter().filter(|check| selected(check)).collect();
-    if checks.len() > 1 {
-        // Downloads take place while tests are compiled.
-        std::thread::spawn(fetch);
+    let passed = if let [only] = checks[..] {
+        run_here(&cargo, only)
+    } else {
+        run_tiers(&cargo, &checks)
+    };
+    if passed {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
     }
-    for check in checks {
-        let start = std::time::Instant::now();
-        println!("== {}: {}", check.name, check.summary);
-        if run_one(&cargo, check.name, check.run) != ExitCode::SUCCESS {
-            return ExitCode::FAILURE;
-        }
-        println!(
-            "== {} passed ({:.0} s)",
-            check.name,
-            start.elapsed().as_secs_f64()
-        );
+}
+
+/// Runs checks of the first tier one after another, and then those of the second in their lanes; returns whether all passed.
+fn run_tiers(cargo: &OsStr, checks: &[&Check]) -> bool {
+    // Downloads take place while tests are compiled.
+    let downloads = std::thread::spawn(fetch);
+    let of = |tier: Tier| checks.iter().filter(move |check| check.tier == tier);
+    if !of(Tier::First).all(|check| run_here(cargo, check)) {
+        return false;
     }
-    println!("== checks passed");
-    ExitCode::SUCCESS
+    let lanes = [Lane::Solvers, Lane::Publications]
+        .map(|lane| of(Tier::Second(lane)).map(|check| check.name).collect());
+    if lanes.iter().any(|lane: &Vec<_>| !lane.is_empty()) {
+        // Checks that run side by side find everything installed.
+        let _ = downloads.join();
+    }
+    let passed = lanes::run(lanes);
+    if passed {
+        println!("== checks passed");
+    }
+    passed
+}
+
+/// Runs a check, and prints its name, what it is, and the time that it took.
+fn run_here(cargo: &OsStr, check: &Check) -> bool {
+    let start = std::time::Instant::now();
+    println!("== {}: {}", check.name, check.summary);
+    let passed = run_one(cargo, check.name, check.run) == ExitCode::SUCCESS;
+    if passed {
+        let seconds = start.elapsed().as_secs_f64();
+        println!("== {} passed ({seconds:.0} s)", check.name);
+    }
+    passed
 }
 
 /// Installs what later checks need. Failures are reported by the check that needs it.
