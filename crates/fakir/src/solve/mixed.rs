@@ -703,6 +703,45 @@ fn pillar_extent(newton: &Newton<'_>) -> PillarExtent {
     PillarExtent::new(&newton.tops.sites, newton.pillar_reach(), on_grid)
 }
 
+/// Checks that the memory limit allows this number of couplings with a floor of these cells.
+fn check_memory(
+    scene: &Scene,
+    division: Division,
+    radius: f64,
+    pillars: PillarExtent,
+    couplings: f64,
+    run: &Run<'_>,
+) -> Result<(), SolveError> {
+    let bytes = |division: &Division| {
+        couplings * FloorCoupling::memory_estimate(division, radius, pillars, FLOOR_DEGREE)
+    };
+    let limit = run.memory_limit() as f64;
+    if bytes(&division) <= limit {
+        return Ok(());
+    }
+    let mut coarser = division;
+    while bytes(&coarser) > limit && coarser.fineness > 1 {
+        coarser = Division::new(&scene.field, coarser.fineness / 2);
+    }
+    Err(SolveError::TooManyCells {
+        cells: FloorGrid::expected_len(&division, radius) as usize,
+        bytes: bytes(&division) as usize,
+        limit: run.memory_limit(),
+        cell: division.longest() * scene.length,
+        suggested_cell: coarser.longest() * scene.length,
+    })
+}
+
+/// Checks that the memory limit allows a second coupling with the cells of a solution, which its derivatives need beside its own.
+pub(super) fn check_memory_of_derivatives(newton: &Newton<'_>) -> Result<(), SolveError> {
+    let Some(cells) = &newton.cells else {
+        return Ok(());
+    };
+    let grid = &cells.grid;
+    let (scene, pillars) = (&newton.scene, pillar_extent(newton));
+    check_memory(scene, grid.division, grid.radius, pillars, 2.0, newton.run)
+}
+
 pub(super) fn checked_floor(
     scene: &Scene,
     division: Division,
@@ -710,23 +749,7 @@ pub(super) fn checked_floor(
     pillars: PillarExtent,
     run: &Run<'_>,
 ) -> Result<Option<FloorGrid>, SolveError> {
-    let bytes = |division: &Division| {
-        FloorCoupling::memory_estimate(division, radius, pillars, FLOOR_DEGREE)
-    };
-    let limit = run.memory_limit() as f64;
-    if bytes(&division) > limit {
-        let mut coarser = division;
-        while bytes(&coarser) > limit && coarser.fineness > 1 {
-            coarser = Division::new(&scene.field, coarser.fineness / 2);
-        }
-        return Err(SolveError::TooManyCells {
-            cells: FloorGrid::expected_len(&division, radius) as usize,
-            bytes: bytes(&division) as usize,
-            limit: run.memory_limit(),
-            cell: division.longest() * scene.length,
-            suggested_cell: coarser.longest() * scene.length,
-        });
-    }
+    check_memory(scene, division, radius, pillars, 1.0, run)?;
     let grid = FloorGrid::new(&scene.field, division, radius);
     Ok(grid.map(|grid| match scene.mirrored_at() {
         Some(axis) => grid.with_mirrors(axis),

@@ -483,6 +483,35 @@ fn the_pressure_carries_the_force_and_closes_the_gap() {
     assert!(state.smallest_floor_gap == 0.0);
 }
 
+/// Derivatives need a second coupling with the cells: there is a limit that allows the contact only.
+#[test]
+fn derivatives_respect_the_memory_limit() {
+    use fakir::state::SolveError;
+    let system = system(0.03, 2e6, 0.0);
+    let load = Load::Indentation(1.2 * critical(&system).indentation);
+    let method = Method::default();
+    let mut limit = 2_000_000;
+    let (mut refused, mut answered) = (0, false);
+    while !answered && limit < 1_000_000_000 {
+        let run = Run {
+            memory_limit: Some(limit),
+            ..Run::default()
+        };
+        if fakir::press(&system, load, method, &run).is_ok() {
+            match fakir::gradient(&system, load, method, &run) {
+                Ok(_) => answered = true,
+                Err(SolveError::TooManyCells { bytes, limit, .. }) => {
+                    assert!(bytes > limit);
+                    refused += 1;
+                }
+                Err(other) => panic!("{other:?}"),
+            }
+        }
+        limit += limit / 3;
+    }
+    assert!(answered && refused > 0, "{refused}");
+}
+
 #[test]
 fn options_of_a_run_are_kept() {
     use fakir::state::{CancelToken, SolveError, Stage};

@@ -64,6 +64,7 @@ pub(crate) fn gradient(
         if mixed.solution.outcome.termination != Termination::Converged {
             return Err(refused(NOT_CONVERGED));
         }
+        mixed::check_memory_of_derivatives(&mixed.solution.newton)?;
         let derivatives = scene_derivatives(&mut mixed.solution.newton, None, &changes)?;
         let load = target.into();
         let contact = mixed::finish(system, &scene, load, accuracy, &mut mixed, transition, run)?;
