@@ -32,14 +32,6 @@ const OF_CARGO: [&str; 4] = [
     ".cargo_vcs_info.json",
 ];
 
-/// Options of cargo: the solvers are compiled quickly, as they have one small problem to solve.
-const QUICKLY: [&str; 4] = [
-    "--config",
-    "profile.release.package.fakir.opt-level=1",
-    "--config",
-    "profile.release.package.fakir.codegen-units=4",
-];
-
 /// Files that every crate and the Python package must contain.
 const LICENCES: [&str; 2] = ["LICENSE-APACHE", "LICENSE-MIT"];
 
@@ -74,7 +66,7 @@ pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
     clock.print("the command and the explorer tried");
 
     let environment = python::environment(python::TESTS)?;
-    let wheel = pack_python(&environment, &target, &folder)?;
+    let wheel = pack_python(&environment, &target, &folder, &crates)?;
     clock.print("the wheel built from the source distribution");
     try_wheel(&wheel, &folder, &tried)?;
     clock.print("the wheel tried");
@@ -179,7 +171,7 @@ fn install_command(
     let program = program.ok_or("fakir-cli was not packaged")?;
     let root = folder.join("installed");
     run(Command::new(cargo)
-        .args(QUICKLY)
+        .args(quickly(crates))
         .args(["install", "--locked", "--quiet", "--path"])
         .arg(&program.folder)
         .arg("--root")
@@ -187,6 +179,15 @@ fn install_command(
         .current_dir(folder)
         .env("CARGO_TARGET_DIR", target))?;
     Ok(root)
+}
+
+/// Options of cargo: the crates are compiled without optimisation, as they have one small problem to solve. Those of others are reused.
+fn quickly(crates: &[Unpacked]) -> Vec<String> {
+    let of = |Unpacked { name, .. }: &Unpacked| {
+        ["opt-level=0", "codegen-units=16"]
+            .map(|setting| format!("--config=profile.release.package.{name}.{setting}"))
+    };
+    crates.iter().flat_map(of).collect()
 }
 
 /// Removes crates that are not published from the lock file of an unpacked package; all other versions remain those that were tested.
@@ -282,18 +283,24 @@ fn exchange(host: &str, request: &str, headers: &str, body: &str) -> Result<Stri
 }
 
 /// Checks the contents of the source distribution, and builds the wheel from it alone.
-fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, String> {
+fn pack_python(
+    python: &Path,
+    target: &Path,
+    folder: &Path,
+    crates: &[Unpacked],
+) -> Result<PathBuf, String> {
     let packed = folder.join("python");
-    let maturin = |arguments: &[&str], place: &Path| {
+    let maturin = |arguments: &[&str], options: &[String], place: &Path| {
         run(Command::new(python)
             .args(["-m", "maturin"])
             .args(arguments)
+            .args(options)
             .arg("--out")
             .arg(&packed)
             .current_dir(place)
             .env("CARGO_TARGET_DIR", target))
     };
-    maturin(&["sdist"], Path::new("python"))?;
+    maturin(&["sdist"], &[], Path::new("python"))?;
     let source = only(&packed, "gz")?;
     let known = in_repository()?;
     let contents = listed(&source)?;
@@ -310,7 +317,7 @@ fn pack_python(python: &Path, target: &Path, folder: &Path) -> Result<PathBuf, S
     let interpreter = python.to_string_lossy();
     let build = ["build", "--quiet", "--release", "--locked"];
     let with = ["--interpreter", &interpreter];
-    maturin(&[&build[..], &QUICKLY, &with].concat(), &unpacked)?;
+    maturin(&[&build[..], &with].concat(), &quickly(crates), &unpacked)?;
     let wheel = only(&packed, "whl")?;
     let script = "import sys, zipfile; print('\\n'.join(zipfile.ZipFile(sys.argv[1]).namelist()))";
     let contents = output_of(Command::new(python).args(["-c", script]).arg(&wheel))?;
