@@ -97,6 +97,30 @@ mod tests {
         assert_eq!(Unit::of_force(0.0).name, "nN");
     }
 
+    /// Prefixes of the SI.
+    #[test]
+    fn sizes_are_those_of_the_prefixes() {
+        let tables = [("m", LENGTHS), ("Pa", PRESSURES), ("N", FORCES), ("J", ENERGIES)];
+        for (base, units) in tables {
+            for (name, size) in units {
+                let power = match name.strip_suffix(base) {
+                    Some("G") => 9,
+                    Some("M") => 6,
+                    Some("k") => 3,
+                    Some("") => 0,
+                    Some("m") => -3,
+                    Some("µ") => -6,
+                    Some("n") => -9,
+                    Some("p") => -12,
+                    Some("f") => -15,
+                    other => panic!("{name}: {other:?}"),
+                };
+                assert_eq!(format!("{size:e}"), format!("1e{power}"), "{name}");
+            }
+        }
+        assert_eq!(TIMES, [("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)]);
+    }
+
     #[test]
     fn significant_digits() {
         assert_eq!(significant(0.123_456, 3), "0.123");
