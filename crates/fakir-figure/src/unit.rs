@@ -100,7 +100,12 @@ mod tests {
     /// Prefixes of the SI.
     #[test]
     fn sizes_are_those_of_the_prefixes() {
-        let tables = [("m", LENGTHS), ("Pa", PRESSURES), ("N", FORCES), ("J", ENERGIES)];
+        let tables = [
+            ("m", LENGTHS),
+            ("Pa", PRESSURES),
+            ("N", FORCES),
+            ("J", ENERGIES),
+        ];
         for (base, units) in tables {
             for (name, size) in units {
                 let power = match name.strip_suffix(base) {
@@ -118,7 +123,10 @@ mod tests {
                 assert_eq!(format!("{size:e}"), format!("1e{power}"), "{name}");
             }
         }
-        assert_eq!(TIMES, [("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)]);
+        assert_eq!(
+            TIMES,
+            [("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)]
+        );
     }
 
     #[test]
