@@ -97,6 +97,24 @@ impl CaseFile {
         })
     }
 
+    /// Replaces the table of a relaxation by the strengths and times of the series that is fitted to it. Without a table nothing changes.
+    ///
+    /// # Errors
+    /// [`CaseError`] as [`relaxation`](Self::relaxation).
+    pub fn write_relaxation_terms(&mut self) -> Result<(), CaseError> {
+        if self.entry(Key::RelaxationTable).is_none() {
+            return Ok(());
+        }
+        let relaxation = self.viscoelastic()?.relaxation;
+        let terms = relaxation.terms().iter();
+        let (strengths, times): (Vec<f64>, Vec<f64>) =
+            terms.map(|term| (term.strength, term.time)).unzip();
+        self.entries.keys.remove(&Key::RelaxationTable);
+        self.set_list(Key::RelaxationStrengths, &strengths);
+        self.set_list(Key::RelaxationTimes, &times);
+        Ok(())
+    }
+
     /// The relaxation of viscoelastic bodies.
     ///
     /// # Errors

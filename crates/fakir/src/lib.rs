@@ -78,7 +78,9 @@ pub mod state;
 pub mod theory;
 mod verify;
 
-pub use method::{cycle, follow_cycle, gradient, press, press_to_floor_shares, transition};
+pub use method::{
+    cycle, follow_cycle, gradient, gradient_by, press, press_to_floor_shares, transition,
+};
 pub use verify::{
     AsperityVerification, Difference, FlatVerification, InconclusiveReason, Verdict, Verification,
     verify, verify_asperities, verify_flat,

@@ -682,7 +682,8 @@ impl<'a> Search<'a> {
         self.linearise()
     }
 
-    /// Ends the search: up to a number of rows, the states are solved for each of them, and the search continues with these for a few steps.
+    /// Ends the search: the states of the result are solved, up to a number of rows for each of them, and the search continues with these for a few
+    /// steps.
     fn finish(&mut self) -> Result<(), FitError> {
         /// Largest number of steps.
         const STEPS: usize = 2;
@@ -693,7 +694,7 @@ impl<'a> Search<'a> {
         self.settle(self.unknowns.clone())?;
         for _ in 0..STEPS {
             let step = self.step(0.0);
-            if !self.tolerance().every_row || within(self.promised(&step), NO_GAIN) {
+            if within(self.promised(&step), NO_GAIN) {
                 break;
             }
             let step = self.bounded(step);
@@ -790,7 +791,7 @@ impl<'a> Search<'a> {
         } else if self.is_finished {
             tolerance.of_result()
         } else {
-            tolerance
+            tolerance.of_search(errors)
         }
     }
 

@@ -13,7 +13,9 @@ use super::subject::{FittedCycle, Subject, some};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots;
-use fakir::problem::{Adhesion, CyclePlan, Load, LoadingMode, Method, Relaxation, UnloadingPoint};
+use fakir::problem::{
+    Adhesion, CyclePlan, Load, LoadingMode, Method, Quantity, Relaxation, UnloadingPoint,
+};
 use fakir::solve::elastic_curve::ElasticCurve;
 use fakir::solve::viscoelastic::{MeasuredBy, MeasuredLoad, measured_history};
 use fakir::state::{
@@ -260,13 +262,18 @@ impl<'a> Model<'a> {
         options: &FitOptions,
         run: &Run<'a>,
     ) -> Result<Self, FitError> {
-        let case = Subject::of(file)?;
+        let mut file = file.clone();
+        if free.iter().any(|free| free.is_of_relaxation()) {
+            // The terms of a table begin at the series that is fitted to it.
+            file.write_relaxation_terms()?;
+        }
+        let case = Subject::of(&file)?;
         let wants_radius = data.rows().iter().any(|row| row.contact_radius.is_some());
         let is_adhesive = !case.adhesion().is_none() || free.iter().any(|free| free.is_work());
         if is_adhesive {
             data.check_cycles()?;
         }
-        let relaxation = relaxation_over_time(file, data)?;
+        let relaxation = relaxation_over_time(&file, data)?;
         if relaxation.is_some() {
             case.check_history()?;
             check_history(data)?;
@@ -279,7 +286,7 @@ impl<'a> Model<'a> {
             order
         });
         let mut model = Self {
-            file: file.clone(),
+            file,
             data,
             free,
             start: Settings {
@@ -1402,7 +1409,7 @@ impl<'a> Model<'a> {
                 Some(_) => Load::Indentation(state.indentation),
                 None => Load::Force(state.force),
             };
-            let gradient = self.gradient(pillars, load)?;
+            let gradient = self.gradient(pillars, load, false)?;
             let along = match &gradient {
                 Some(gradient) => self.with_radius(gradient.stiffness, || {
                     self.along_load(&settings.case, load, state)
@@ -1513,8 +1520,13 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Exact derivatives of the force, if the contact has them.
-    pub(super) fn gradient(&self, case: &Case, load: Load) -> Result<Option<Gradient>, SolveError> {
+    /// Exact derivatives of the force, if the contact has them: with respect to the free parameters, or to all.
+    pub(super) fn gradient(
+        &self,
+        case: &Case,
+        load: Load,
+        wants_all: bool,
+    ) -> Result<Option<Gradient>, SolveError> {
         let Load::Indentation(zeta) = load else {
             return Ok(None); // a force that is the load is not compared
         };
@@ -1522,7 +1534,19 @@ impl<'a> Model<'a> {
             return Ok(None);
         }
         self.solved.fetch_add(1, Ordering::Relaxed);
-        match fakir::gradient(&case.system, load, case.method, &self.single) {
+        // Those that take as long as all others together.
+        let slow = [Quantity::Pitch, Quantity::PillarDiameter];
+        let scales = |free: &Parameter| {
+            let keys = [Key::SurfaceFraction, Key::Pitch, Key::PillarDiameter];
+            keys.into_iter().any(|key| *free == Parameter::Key(key))
+        };
+        let wanted = if wants_all || self.free.iter().any(scales) {
+            &slow[..]
+        } else {
+            &[]
+        };
+        let of = (&case.system, load, case.method);
+        match fakir::gradient_by(of.0, of.1, of.2, wanted, &self.single) {
             Ok(gradient) => Ok(Some(gradient)),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
             Err(_) => Ok(None),

@@ -4,6 +4,9 @@
 //! the rows. Therefore the states of a case belong to one [`Table`], and are used again as long as the case does not change. Further loads are
 //! solved until the estimated interpolation error of every row is below a fraction of its error; they are those of rows, so that few rows in an
 //! interval are solved directly. Rows before contact need no solution.
+//!
+//! The search begins with larger interpolation errors. After a small change of the case, of many rows, the states follow from those before by their
+//! derivatives; two of them are solved again as a check.
 
 use super::error::FitError;
 use super::measurements::{Measurements, Position};
@@ -33,6 +36,15 @@ const FRACTION: f64 = 0.3;
 
 /// Largest fraction of the error of a row.
 const MOST_OF_ERROR: f64 = 0.05;
+
+/// Factor of the tolerance during the search, whose last step is taken with the states of the result.
+const SEARCHING: f64 = 10.0;
+
+/// Largest error of states that follow from others by their derivatives, as a fraction of the tolerance.
+const MOVED: f64 = 0.5;
+
+/// Error of such a change relative to the change itself, beside its second order: near kinks, and of derivatives between states.
+const OF_CHANGE: f64 = 0.02;
 
 /// Smallest tolerance, as a fraction of the largest value: below it the errors of the solver contribute.
 const LEAST: f64 = 1e-7;
@@ -91,6 +103,20 @@ impl Tolerance {
         }
     }
 
+    /// For the steps of the search.
+    pub(super) fn of_search(self, errors: [f64; 2]) -> Self {
+        let of = |full: f64, quantity: usize| {
+            (SEARCHING * full)
+                .min(MOST_OF_ERROR * errors[quantity])
+                .max(full)
+        };
+        Self {
+            force: of(self.force, 0),
+            radius: of(self.radius, 1),
+            ..self
+        }
+    }
+
     /// For the states of the result.
     pub(super) fn of_result(self) -> Self {
         Self {
@@ -138,6 +164,8 @@ pub(super) struct Sampled {
     /// The last tables.
     entries: RefCell<Vec<Entry>>,
     on_floor: RefCell<Option<OnFloor>>,
+    /// Derivatives of the force under a fixed indentation at the last unknowns of the case, over the load.
+    held: RefCell<Option<(Vec<f64>, Vec<Monotone>)>>,
     /// Computed forces of the rows in the last states, N, from which the next indentations are estimated.
     forces: RefCell<Vec<f64>>,
 }
@@ -217,9 +245,19 @@ impl Sampled {
             (known.map(|entry| Arc::clone(&entry.table)), seeds)
         };
         let mut refining = Refining::new(model, &settings, &readings, tolerance)?;
-        let (mut table, first) = match known {
-            Some(table) => (Arc::unwrap_or_clone(table), Vec::new()),
-            None => (
+        let is_exact = |table: &Arc<Table>| {
+            let most = if tolerance.every_row { 0.0 } else { MOVED };
+            within(table.moved_error, most * tolerance.force)
+        };
+        let known = known.filter(is_exact);
+        let moved = match known {
+            Some(_) => None,
+            None => self.moved(&refining, &of_case, same)?,
+        };
+        let (mut table, first) = match (known, moved) {
+            (Some(table), _) => (Arc::unwrap_or_clone(table), Vec::new()),
+            (None, Some(table)) => (table, Vec::new()),
+            (None, None) => (
                 Table::new(refining.origin()),
                 refining.first_loads(seeds.as_deref()),
             ),
@@ -241,6 +279,67 @@ impl Sampled {
         Ok(table)
     }
 
+    /// The table of the last unknowns with derivatives, changed by these; `None` if the estimated error of this is too large, or if two states that
+    /// are solved again differ by more than this error. Contact radii and gaps are those before: they are not compared with data.
+    fn moved(
+        &self,
+        refining: &Refining<'_, '_>,
+        of_case: &[f64],
+        is_here: impl Fn(&Entry) -> bool,
+    ) -> Result<Option<Table>, FitError> {
+        let (model, tolerance) = (refining.model, refining.tolerance);
+        let suits = model.data.rows().len() > SOLVED_AT_END
+            && !refining.by_force
+            && !model.wants_radius
+            && !model.free.iter().any(|free| free.is_thickness());
+        let held = self.held.borrow();
+        let Some((before, curves)) = held.as_ref().filter(|_| suits) else {
+            return Ok(None);
+        };
+        let table = {
+            let entries = self.entries.borrow();
+            let of_held = |entry: &&Entry| entry.unknowns == *before && !is_here(entry);
+            entries
+                .iter()
+                .rev()
+                .find(of_held)
+                .map(|entry| Arc::clone(&entry.table))
+        };
+        let Some(table) = table else {
+            return Ok(None);
+        };
+        let steps: Vec<f64> = of_case.iter().zip(before).map(|(a, b)| a - b).collect();
+        let change = |load: f64| {
+            let terms = curves.iter().zip(&steps);
+            terms.fold([0.0; 2], |[force, slope], (curve, step)| {
+                [
+                    force + step * curve.at(load),
+                    slope + step * curve.slope_at(load),
+                ]
+            })
+        };
+        let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, larger);
+        let step = largest(&mut steps.iter().map(|step| step.abs()));
+        let knots = table.knots();
+        let by = largest(&mut knots.iter().map(|knot| change(knot.load)[0].abs()));
+        let error = (OF_CHANGE + step) * by;
+        if knots.len() < 3 || !within(table.moved_error + error, MOVED * tolerance.force) {
+            return Ok(None);
+        }
+        let loads = [knots[knots.len() / 2].load, table.end()];
+        let mut moved = table.moved(change, error);
+        let solved = each(model, &loads, |load| {
+            Ok(refining.knot(*load, true).map_err(FitError::from)?)
+        })?;
+        for knot in solved {
+            let difference = moved.replace(knot);
+            if !difference.is_some_and(|it| within(it.abs(), moved.moved_error)) {
+                return Ok(None);
+            }
+        }
+        Ok(Some(moved))
+    }
+
     /// States of some rows alone, at the loads of the interpolated states, with their slopes and the derivatives of their forces.
     pub(super) fn table_of(
         &self,
@@ -253,7 +352,10 @@ impl Sampled {
         let settings = model.settings(unknowns)?;
         let mut readings = self.readings(model, &settings);
         readings.retain(|reading| rows.contains(&reading.row));
-        let refining = Refining::new(model, &settings, &readings, tolerance)?;
+        let refining = Refining {
+            wants_all: true,
+            ..Refining::new(model, &settings, &readings, tolerance)?
+        };
         let mut table = Table::new(refining.origin());
         refining.solve(&mut table, refining.loads(&known))?;
         if !refining.by_force {
@@ -308,7 +410,7 @@ impl Sampled {
             if load > 0.0 && state.problem.is_none() {
                 // An estimate from differences of states can be zero by chance; intervals are refined to the tolerance.
                 let [force, radius] = table.errors_at(load);
-                [larger(force, tolerance.force), radius]
+                [larger(force, tolerance.force) + table.moved_error, radius]
             } else {
                 [0.0; 2]
             }
@@ -329,6 +431,13 @@ impl Sampled {
         let settings = model.settings(unknowns)?;
         let by_force = model.data.position() == Position::None;
         let held = self.held(model, unknowns, &settings, table, purpose)?;
+        let is_of_case =
+            |(_, free): &(&[Monotone; 2], &Parameter)| matches!(free, Parameter::Key(_));
+        let of_case = held.iter().zip(model.free).filter(is_of_case);
+        *self.held.borrow_mut() = Some((
+            Self::of_case(model, unknowns),
+            of_case.map(|([force, _], _)| force.clone()).collect(),
+        ));
         let of_row = |(number, state): (usize, &State)| {
             if state.problem.is_some() {
                 return Derivatives::none(model.free.len());
@@ -515,7 +624,7 @@ fn derivatives_on_floor(
     let picked = spread(knots, &lacking, DIFFERENCES[1]);
     let case = settings.pillars()?;
     let gradients = each(model, &picked, |k| {
-        let gradient = model.gradient(case, Load::Indentation(knots[*k].load))?;
+        let gradient = model.gradient(case, Load::Indentation(knots[*k].load), false)?;
         Ok(gradient.and_then(|gradient| gradient.force))
     })?;
     for (k, derivatives) in picked.into_iter().zip(gradients) {
@@ -632,6 +741,8 @@ struct Refining<'m, 'a> {
     tolerance: Tolerance,
     compliance: f64,
     by_force: bool,
+    /// Whether derivatives with load on the floor are those with respect to all quantities.
+    wants_all: bool,
 }
 
 impl<'m, 'a> Refining<'m, 'a> {
@@ -650,6 +761,8 @@ impl<'m, 'a> Refining<'m, 'a> {
             tolerance,
             compliance: settings.compliance(position),
             by_force: position == Position::None,
+            // The states of the result are used for the tests of fixed parameters too.
+            wants_all: model.data.rows().len() <= SOLVED_AT_END,
         })
     }
 
@@ -720,8 +833,9 @@ impl<'m, 'a> Refining<'m, 'a> {
         loads.dedup();
         let floor = table.knots().iter().find(|knot| knot.contacts.1);
         let floor = floor.map_or(f64::INFINITY, |knot| knot.load);
+        let has_gradient = |load: f64| !self.wants_all || self.tolerance.is_result || load < floor;
         let solved = each(self.model, &loads, |load| {
-            match self.knot(*load, *load < floor) {
+            match self.knot(*load, has_gradient(*load)) {
                 Ok(knot) => Ok(Ok(knot)),
                 Err(error) => {
                     let error = FitError::from(error);
@@ -774,7 +888,9 @@ impl<'m, 'a> Refining<'m, 'a> {
             });
         }
         let control = Load::Indentation(load);
-        if may_have_gradient && let Some(gradient) = self.model.gradient(case, control)? {
+        if may_have_gradient
+            && let Some(gradient) = self.model.gradient(case, control, self.wants_all)?
+        {
             return Ok(Knot {
                 slope: Some(gradient.stiffness),
                 derivatives: gradient.force,
@@ -818,7 +934,7 @@ impl<'m, 'a> Refining<'m, 'a> {
                 ..State::without_contact(knot.load)
             };
             let load = Load::Indentation(knot.load);
-            if let Some(gradient) = self.model.gradient(self.case, load)? {
+            if let Some(gradient) = self.model.gradient(self.case, load, self.wants_all)? {
                 return Ok((gradient.stiffness, gradient.force));
             }
             let along = self.model.along_load(case, load, &state)?;

@@ -76,6 +76,8 @@ pub(super) struct Table {
     knots: Vec<Knot>,
     /// The smallest load outside the model, with the reason.
     wall: Option<(f64, String)>,
+    /// Estimated error of answers that follow from the states of neighbouring unknowns; zero if all states were solved.
+    pub(super) moved_error: f64,
 }
 
 impl Table {
@@ -83,7 +85,29 @@ impl Table {
         Self {
             knots: vec![origin],
             wall: None,
+            moved_error: 0.0,
         }
+    }
+
+    /// The table after changes of the answers and of their slopes, which are functions of the load; `error` is the estimated error of the answers.
+    pub(super) fn moved(&self, change: impl Fn(f64) -> [f64; 2], error: f64) -> Self {
+        let mut moved = self.clone();
+        for knot in &mut moved.knots[1..] {
+            let [answer, slope] = change(knot.load);
+            knot.answer += answer;
+            knot.slope = knot.slope.map(|known| known + slope);
+        }
+        moved.moved_error += error;
+        moved
+    }
+
+    /// Replaces the state under the same load; returns the difference of the answers.
+    pub(super) fn replace(&mut self, knot: Knot) -> Option<f64> {
+        let same = |known: &&mut Knot| known.load.total_cmp(&knot.load).is_eq();
+        let known = self.knots.iter_mut().find(same)?;
+        let difference = knot.answer - known.answer;
+        *known = knot;
+        Some(difference)
     }
 
     pub(super) fn knots(&self) -> &[Knot] {
@@ -280,7 +304,7 @@ impl Table {
         }
     }
 
-    /// Estimated errors of the answer and of the contact radius under a load. Near the ends of an interval that of the answer is smaller.
+    /// Estimated errors of the answer and of the contact radius under a load by interpolation alone. Near the ends of an interval that of the answer is smaller.
     pub(super) fn errors_at(&self, load: f64) -> [f64; 2] {
         if self.intervals() == 0 {
             return [0.0; 2];
@@ -492,6 +516,19 @@ impl Monotone {
         let (a, b) = (self.slopes[below] - chord, self.slopes[above] - chord);
         low + step * (t * chord + s * t * (a * s - b * t))
     }
+
+    /// The slope at a position; zero outside the points.
+    pub(super) fn slope_at(&self, position: f64) -> f64 {
+        let above = self.points.partition_point(|point| point.0 < position);
+        let (Some(below), true) = (above.checked_sub(1), above < self.points.len()) else {
+            return 0.0;
+        };
+        let ((x, low), (end, high)) = (self.points[below], self.points[above]);
+        let t = (position - x) / (end - x);
+        let (s, chord) = (1.0 - t, (high - low) / (end - x));
+        let (a, b) = (self.slopes[below] - chord, self.slopes[above] - chord);
+        chord + a * s * (s - 2.0 * t) + b * t * (t - 2.0 * s)
+    }
 }
 
 #[cfg(test)]
@@ -577,11 +614,30 @@ mod tests {
     }
 
     #[test]
+    fn moved_states_are_those_of_the_other_curve() {
+        // x^2 moved by 0.1 x is x^2 + 0.1 x, whose slope is 2 x + 0.1; the state under a load that was solved again has no error.
+        let of = |x: f64| knot(x, x * x, Some(2.0 * x), 1);
+        let table = table([1.0, 2.0, 3.0].map(of));
+        let mut moved = table.moved(|x| [0.1 * x, 0.1], 1e-3);
+        let at = moved.at(1.5);
+        assert!((at.answer - 2.4).abs() < 1e-12 && (at.slopes[0] - 3.1).abs() < 1e-12);
+        assert!((moved.moved_error - 1e-3).abs() < 1e-15);
+        let difference = moved.replace(knot(2.0, 4.25, Some(4.1), 1));
+        assert!((difference.unwrap() - 0.05).abs() < 1e-12);
+        assert!(moved.replace(knot(2.5, 0.0, None, 1)).is_none());
+    }
+
+    #[test]
     fn monotone_data_stay_monotone() {
         let curve = Monotone::new(vec![(0.0, 0.0), (1.0, 0.1), (1.1, 2.0), (3.0, 2.0)]);
         let values: Vec<f64> = (0..=60).map(|k| curve.at(0.05 * f64::from(k))).collect();
         assert!(values.windows(2).all(|pair| pair[1] >= pair[0] - 1e-15));
         assert!(values[60] <= 2.0 + 1e-15);
+        // The slope is that of the curve.
+        let between = |x: f64| (curve.at(x + 1e-6) - curve.at(x - 1e-6)) / 2e-6;
+        for x in [0.3, 1.04, 1.09, 2.0] {
+            assert!((curve.slope_at(x) - between(x)).abs() < 1e-4, "{x}");
+        }
         // Constant outside.
         assert!(curve.at(-1.0).abs() < 1e-15 && (curve.at(9.0) - 2.0).abs() < 1e-15);
     }

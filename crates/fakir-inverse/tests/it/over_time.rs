@@ -282,6 +282,48 @@ fn refusals() {
     assert!(refused.to_string().contains("dissipate"), "{refused}");
 }
 
+/// The terms of a table begin at its series: a table of `1 + 0.8 exp(-t/12 s)` whose modulus was measured 30 % too low in its relaxing part, and data
+/// of the true function. Expected: with the strengths free, the true function.
+#[test]
+fn terms_of_a_table_can_be_free() {
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let path = folder.join("fit_over_time_moduli.csv");
+    let rows = (0..60).map(|k| {
+        let time = 0.5 * 10f64.powf(0.04 * f64::from(k));
+        let part = 0.7 * TRUE_STRENGTH * (-time / TRUE_TIME).exp();
+        format!("{time},{}\n", TRUE_MODULUS * (1.0 + part))
+    });
+    let table: String = rows.collect();
+    std::fs::write(&path, format!("time_s,modulus_Pa\n{table}")).unwrap();
+    let mut file =
+        CaseFile::parse("flat.toml", FLAT.split("[relaxation]").next().unwrap()).unwrap();
+    let path = path.display();
+    file.set(&format!("relaxation.table={path}")).unwrap();
+    let before = file.relaxation().unwrap().unwrap().relaxation;
+    let data = noisy(&readings(), 0, [1e-9, 1e-12]);
+    let all = [0, 1, 2, 3].map(Parameter::RelaxationStrength);
+    let number = before.terms().len();
+    assert!((1..=4).contains(&number), "{number}");
+    let free: Vec<Parameter> = [MODULUS, POINT]
+        .into_iter()
+        .chain(all[..number].iter().copied())
+        .collect();
+    let found = fitted(&file, &data, &free);
+    let after = found.file.relaxation().unwrap().unwrap();
+    // Times of the series are fixed, at a quarter of a decade.
+    assert!(after.fitted.is_none() && after.relaxation.terms().len() == number);
+    for time in [0.0, 3.0, 12.0, 30.0] {
+        let truth = 1.0 + TRUE_STRENGTH * (-time / TRUE_TIME).exp();
+        close(after.relaxation.at(time), truth, 0.02);
+        assert!((before.at(time) / truth - 1.0).abs() > 0.02 || time > 20.0);
+    }
+    // A term that the series does not have is not given.
+    let options = FitOptions::default();
+    let beyond = [MODULUS, Parameter::RelaxationStrength(number.min(3))];
+    let refused = fit(&file, &data, &beyond, &options, &Run::default());
+    assert!(number == 4 || matches!(refused, Err(FitError::NotGiven(_))));
+}
+
 /// Elastic fits warn of data that depend on the rate, and not of noise.
 #[test]
 fn elastic_fits_of_viscoelastic_data_warn() {

@@ -21,13 +21,18 @@ use crate::state::{
 };
 use std::f64::consts::PI;
 
-/// Computes the contact of the spectral method at a prescribed load, which must have been validated, and its derivatives.
+/// Computes the contact of the spectral method at a prescribed load, which must have been validated, and its derivatives: at least with respect
+/// to the wanted quantities, or to all if there are none.
 pub(crate) fn gradient(
     system: &System,
     control: Load,
     accuracy: Accuracy,
+    wanted: Option<&[Quantity]>,
     run: &Run<'_>,
 ) -> Result<Gradient, SolveError> {
+    let of_distances = [Quantity::Pitch, Quantity::PillarDiameter];
+    let wants_distances =
+        wanted.is_none_or(|wanted| of_distances.iter().any(|it| wanted.contains(it)));
     let scene = Scene::new(system);
     let target = scene.scaled(control);
     let first_touch = scene.first_touch();
@@ -65,7 +70,8 @@ pub(crate) fn gradient(
             return Err(refused(NOT_CONVERGED));
         }
         mixed::check_memory_of_derivatives(&mixed.solution.newton)?;
-        let derivatives = scene_derivatives(&mut mixed.solution.newton, None, &changes)?;
+        let derivatives =
+            scene_derivatives(&mut mixed.solution.newton, None, &changes, wants_distances)?;
         let load = target.into();
         let contact = mixed::finish(system, &scene, load, accuracy, &mut mixed, transition, run)?;
         (derivatives, contact, mixed.solution)
@@ -76,8 +82,9 @@ pub(crate) fn gradient(
             ));
         }
         let lowest = lowest_point(target, &mut solution);
+        let floor = solution.outcome.floor;
         let derivatives =
-            scene_derivatives(&mut solution.newton, solution.outcome.floor, &changes)?;
+            scene_derivatives(&mut solution.newton, floor, &changes, wants_distances)?;
         let error = refined(&mut solution, target, run)?;
         let method = PillarMethod::Spectral(accuracy);
         let floor = OfFloor::Lowest(lowest);
@@ -231,15 +238,17 @@ impl Units<'_, '_> {
         }
         // The pillars of a list have individual heights, diameters and positions.
         if !matches!(system.arrangement(), Arrangement::Listed(_)) {
-            let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;
-            quantities.push((Quantity::PillarDiameter, by_diameter));
+            if self.derivatives.has_distances {
+                let by_diameter = (unit * of_scene.all_radii - columns) / pillar.diameter;
+                quantities.push((Quantity::PillarDiameter, by_diameter));
+            }
             // The scatter of heights is proportional to the height.
             let above = |(body, raised, _): (&PillarBody, &f64, &Column)| raised * body.raised;
             let above: f64 = touched().map(above).sum::<f64>() / self.scene.height;
             let by_height = unit * (of_scene.depth + above) / length + columns / pillar.height;
             quantities.push((Quantity::PillarHeight, by_height));
         }
-        if has_one_pitch(system.arrangement()) {
+        if self.derivatives.has_distances && has_one_pitch(system.arrangement()) {
             let by_pitch = unit * of_scene.distances / system.pitch();
             quantities.push((Quantity::Pitch, by_pitch));
         }

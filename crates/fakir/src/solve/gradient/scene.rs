@@ -59,9 +59,9 @@ pub(crate) struct OfScene {
     pub(crate) column: Vec<Column>,
     /// With respect to the radius of every touched pillar, at constant column; `None` on a hexagonal lattice, and if the floor carries load.
     pub(crate) radii: Option<Vec<f64>>,
-    /// With respect to the logarithm of all radii together, at constant columns.
+    /// With respect to the logarithm of all radii together, at constant columns; see [`SceneDerivatives::has_distances`].
     pub(crate) all_radii: f64,
-    /// With respect to the logarithm of all distances of the pillars from the lens axis.
+    /// With respect to the logarithm of all distances of the pillars from the lens axis; the same.
     pub(crate) distances: f64,
     pub(crate) lens_radius: f64,
     /// With respect to the depth of the floor below the tops, with the tops fixed.
@@ -75,6 +75,8 @@ pub(crate) struct OfScene {
 pub(crate) struct SceneDerivatives {
     /// The touched pillars.
     pub(crate) places: Vec<usize>,
+    /// Whether the derivatives with respect to radii and distances were computed.
+    pub(crate) has_distances: bool,
     /// Derivative of the force with respect to the indentation.
     pub(crate) stiffness: f64,
     /// Derivatives of the force at constant indentation.
@@ -99,11 +101,13 @@ const TOLERANCE: f64 = 1e-10;
 /// Pillars with a narrow contact at the rim, and the motion of that contact.
 type RimContacts = Vec<(usize, Vec<Motion>)>;
 
-/// Derivatives of a converged solution, including those with respect to changes of the layers.
+/// Derivatives of a converged solution, including those with respect to changes of the layers. If the floor carries load, those with respect to
+/// radii and distances require two more sets of kernels of the floor, and are computed only if `wants_distances`.
 pub(crate) fn scene_derivatives(
     newton: &mut Newton<'_>,
     floor: Option<FloorPoint>,
     of_layers: &[Vec<WeightedLayer>],
+    wants_distances: bool,
 ) -> Result<SceneDerivatives, SolveError> {
     // The last entry is the derivative with respect to the logarithm of all thicknesses.
     let mut of_layers = of_layers.to_vec();
@@ -147,7 +151,13 @@ pub(crate) fn scene_derivatives(
     newton.run.check_cancelled()?;
     let change = (&change, &far_of_tops[..], &by_layers[..]);
     let mut of_adjoints = by_load_and_operator(newton, &places, &adjoints, &rim_contacts, change);
-    add_floor_cells(newton, &adjoints, &of_layers, &mut of_adjoints);
+    add_floor_cells(
+        newton,
+        &adjoints,
+        &of_layers,
+        wants_distances,
+        &mut of_adjoints,
+    );
     newton.run.check_cancelled()?;
     let mut of_adjoints = of_adjoints.into_iter();
     let force = of_adjoints.next();
@@ -157,6 +167,7 @@ pub(crate) fn scene_derivatives(
         of_scene
     });
     Ok(SceneDerivatives {
+        has_distances: wants_distances || newton.cells.is_none(),
         stiffness,
         force: force.unwrap_or_else(|| OfScene::none(places.len(), false, of_layers.len())),
         floor,
@@ -421,6 +432,7 @@ fn add_floor_cells(
     newton: &Newton<'_>,
     adjoints: &[Adjoint],
     of_layers: &[Vec<WeightedLayer>],
+    wants_distances: bool,
     of_adjoints: &mut [OfScene],
 ) {
     /// Relative change of the distances.
@@ -436,10 +448,12 @@ fn add_floor_cells(
     };
     let difference =
         |ends: [&[f64; 2]; 2], over: f64| [0, 1].map(|k| (ends[1][k] - ends[0][k]) / over);
-    let factors = [1.0 - STRETCH, 1.0 + STRETCH];
-    let stretched = factors.map(|factor| forms(factor, &scene.layers));
-    let lens = factors
-        .map(|factor| -> Vec<f64> { lens_load(&cells.grid.stretched(factor), scene).collect() });
+    let stretched = wants_distances.then(|| {
+        [1.0 - STRETCH, 1.0 + STRETCH].map(|factor| {
+            let lens: Vec<f64> = lens_load(&cells.grid.stretched(factor), scene).collect();
+            (forms(factor, &scene.layers), lens)
+        })
+    });
     let by_radius: Vec<f64> = lens_load_by_radius(&cells.grid, scene).collect();
     // The products are linear in the layers.
     let without = (!of_layers.is_empty()).then(|| forms(1.0, &[]));
@@ -448,20 +462,23 @@ fn add_floor_cells(
     for (number, (of_scene, adjoint)) in of_adjoints.iter_mut().zip(adjoints).enumerate() {
         let of_floor = &adjoint.coefficients[tops..];
         let total = root * of_floor.iter().sum::<f64>();
-        let [between, alone] = difference(
-            stretched.each_ref().map(|forms| &forms[number]),
-            2.0 * STRETCH,
-        );
-        let by_lens = (dot(of_floor, &lens[1]) - dot(of_floor, &lens[0])) / (2.0 * STRETCH);
         of_scene.depth -= total;
         of_scene.lens_radius += dot(of_floor, &by_radius);
-        // The first two: a unit load on a cell is proportional to the root of its area.
-        of_scene.distances +=
-            newton.contact.floor_force() + newton.contact.indentation() * total + by_lens
-                - between
-                - alone;
-        of_scene.all_radii += between;
         of_scene.radii = None;
+        if let Some(stretched) = &stretched {
+            let [between, alone] = difference(
+                stretched.each_ref().map(|(forms, _)| &forms[number]),
+                2.0 * STRETCH,
+            );
+            let [low, high] = stretched.each_ref().map(|(_, lens)| dot(of_floor, lens));
+            let by_lens = (high - low) / (2.0 * STRETCH);
+            // The first two: a unit load on a cell is proportional to the root of its area.
+            of_scene.distances +=
+                newton.contact.floor_force() + newton.contact.indentation() * total + by_lens
+                    - between
+                    - alone;
+            of_scene.all_radii += between;
+        }
         for (layer, with) in with_layers.iter().enumerate() {
             let Some(without) = &without else { continue };
             let [between, alone] = difference([&without[number], &with[number]], 1.0);

@@ -335,7 +335,7 @@ fn compare_arrangements(count: usize, layers: &[WeightedLayer], parameters: &[Al
         }
         systems += 1;
         let mut found =
-            scene_derivatives(&mut solution.newton, solution.outcome.floor, &[]).unwrap();
+            scene_derivatives(&mut solution.newton, solution.outcome.floor, &[], true).unwrap();
         // Pillars of a list are identified by their index in it.
         for place in &mut found.places {
             *place = solution.newton.tops.sites.index(*place).0 as usize;
@@ -836,7 +836,7 @@ fn a_single_flat_punch() {
     };
     let run = Run::default();
     let mut solution = solve(&listed.scene(), Load::Indentation(0.4), &run).unwrap();
-    let found = scene_derivatives(&mut solution.newton, None, &[]).unwrap();
+    let found = scene_derivatives(&mut solution.newton, None, &[], true).unwrap();
     let OfScene {
         raised,
         column,
