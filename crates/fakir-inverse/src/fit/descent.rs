@@ -22,7 +22,7 @@ pub(super) const NO_GAIN: f64 = 1e-4;
 const LITTLE_PROMISED: f64 = 0.5;
 
 /// Reduction of the sum of squares, about a third of a standard error, that the interpolation of rows may hide.
-const INTERPOLATED: f64 = 0.1;
+pub(super) const INTERPOLATED: f64 = 0.1;
 
 /// After this number of steps [`LITTLE_PROMISED`] alone ends the search, because jumps of the contact radius may move the
 /// best fit back and forth. From then on, rows left out as past the transition remain left out.

@@ -103,7 +103,7 @@ pub use statistics::{
 };
 pub use subject::{FittedCycle, method_name};
 
-use descent::{Descent, NO_GAIN, PATIENCE};
+use descent::{Descent, INTERPOLATED, NO_GAIN, PATIENCE};
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::Question;
@@ -704,7 +704,12 @@ impl<'a> Search<'a> {
                 Err(error) if error.is_interruption() => return Err(error),
                 _ => break,
             };
-            if !within(self.trial_chi_square(&states), self.chi_square()) {
+            // The step is short, and interpolation errors may exceed the gain.
+            let noise = match self.tolerance().every_row {
+                true => 0.0,
+                false => INTERPOLATED,
+            };
+            if !within(self.trial_chi_square(&states), self.chi_square() + noise) {
                 break;
             }
             self.iterations += 1;

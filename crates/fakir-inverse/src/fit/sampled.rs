@@ -32,13 +32,13 @@ pub(super) const SOLVED_AT_END: usize = 64;
 
 /// Largest interpolation error of a row, as a fraction of its error over the root of the number of rows: even if the errors of all rows had
 /// one sign, the parameters would change by less than this fraction of their standard errors.
-const FRACTION: f64 = 0.3;
+const FRACTION: f64 = 0.1;
 
 /// Largest fraction of the error of a row.
 const MOST_OF_ERROR: f64 = 0.05;
 
 /// Factor of the tolerance during the search, whose last step is taken with the states of the result.
-const SEARCHING: f64 = 10.0;
+const SEARCHING: f64 = 30.0;
 
 /// Largest error of states that follow from others by their derivatives, as a fraction of the tolerance.
 const MOVED: f64 = 0.5;
