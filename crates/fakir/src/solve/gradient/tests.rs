@@ -665,7 +665,7 @@ fn compare_systems(count: usize, seed: u64, scatters: bool) {
             };
             control = Load::Force(force);
         }
-        let found = gradient(&system, control, Accuracy::Default, &run);
+        let found = gradient(&system, control, Accuracy::Default, None, &run);
         let (Ok(found), Some((_, states))) = (found, answer(&system, control)) else {
             continue;
         };
@@ -773,7 +773,7 @@ fn compare_pattern(phi: f64) {
     let lattice = reference::lattice(phi).offset_by(0.2);
     let column = PillarCompliance::Column;
     let system = reference::on_lattice(lattice, reference::INTERMEDIATE, column);
-    let found = gradient(&system, Load::FloorContact, Accuracy::Default, &run).unwrap();
+    let found = gradient(&system, Load::FloorContact, Accuracy::Default, None, &run).unwrap();
     let (_, states) = answer(&system, Load::FloorContact).unwrap();
     let pillar = system.pillar();
     let hexagonal = Hexagonal {
@@ -881,7 +881,7 @@ fn compare_past_transition(hexagonal: &Hexagonal, by_force: bool, tolerance: [f6
         true => Load::Force(state.force),
         false => Load::Indentation(depth),
     };
-    let found = gradient(&system, control, Accuracy::Default, &run).unwrap();
+    let found = gradient(&system, control, Accuracy::Default, None, &run).unwrap();
     assert!((found.contact.force / state.force - 1.0).abs() < 1e-7);
     assert!(found.area.is_none());
     for (kind, error) in identities(hexagonal, control, &found) {
@@ -928,6 +928,39 @@ fn past_the_transition() {
     compare_past_transition(&open_lattice(), false, [1e-6, 1e-3]);
 }
 
+/// Past the transition, derivatives with respect to some quantities are those of all; pitch and diameter are left out unless one of them is wanted.
+/// Before floor contact nothing is left out.
+#[test]
+fn some_derivatives_are_those_of_all() {
+    let run = Run::default();
+    let system = open_lattice().system();
+    let of = |depth: f64, wanted: Option<&[Quantity]>| {
+        let control = Load::Indentation(depth * system.pillar().height);
+        gradient(&system, control, Accuracy::Default, wanted, &run).unwrap()
+    };
+    let all = of(1.6, None);
+    let known = all.force.as_ref().unwrap();
+    let distances = [Quantity::Pitch, Quantity::PillarDiameter];
+    for (wanted, complete) in [
+        (&[Quantity::LensRadius][..], false),
+        (&distances[..1], true),
+    ] {
+        let some = of(1.6, Some(wanted));
+        let force = some.force.unwrap();
+        assert!((some.stiffness / all.stiffness - 1.0).abs() < 1e-12);
+        for (quantity, value) in &known.quantities {
+            match force.by(*quantity) {
+                Some(by) => assert!((by / value - 1.0).abs() < 1e-9, "{quantity:?}"),
+                None => assert!(distances.contains(quantity) && !complete, "{quantity:?}"),
+            }
+        }
+        let left = known.quantities.len() - force.quantities.len();
+        assert_eq!(left, if complete { 0 } else { 2 });
+    }
+    let before = of(0.5, Some(&[])).force.unwrap();
+    assert_eq!(before.quantities.len(), known.quantities.len());
+}
+
 #[test]
 #[ignore = "slow: a prescribed force, scattered heights, and elastic pillars"]
 fn past_the_transition_by_force_and_on_other_pillars() {
@@ -949,7 +982,7 @@ fn past_the_transition_by_force_and_on_other_pillars() {
 fn what_has_no_gradient_is_refused() {
     let lattice = reference::lattice(0.1);
     let system = reference::on_lattice(lattice, reference::INTERMEDIATE, PillarCompliance::Column);
-    let why = |control| match gradient(&system, control, Accuracy::Default, &Run::default()) {
+    let why = |control| match gradient(&system, control, Accuracy::Default, None, &Run::default()) {
         Err(SolveError::NoGradient { why }) => why,
         other => panic!("{other:?}"),
     };
