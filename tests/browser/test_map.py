@@ -1,4 +1,4 @@
-"""The part of the map that is shown: buttons, keys, wheel and pointer, with values under the pointer and files."""
+"""The part of the map that is shown: buttons, keys, wheel, pointer and fingers, with values under the pointer and files."""
 
 import re
 from pathlib import Path
@@ -59,6 +59,48 @@ def test_keys_magnify_and_move_the_map(explore):
     page.press("0")
     assert page.text("zoom-words") == ""
     assert page.page.is_disabled("#zoom-out") and page.page.is_disabled("#zoom-whole")
+
+
+def touch(page, kind, *places):
+    """A touch of the screen by fingers at these fractions of the width and height of the map."""
+    box = page.page.locator("#map").bounding_box()
+    points = [{"x": box["x"] + x * box["width"], "y": box["y"] + y * box["height"], "id": k} for k, (x, y) in enumerate(places)]
+    page.cdp.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+
+def test_two_fingers_magnify_the_map(explore):
+    """The places under the fingers follow them: their distance is the magnification, their middle stays or moves the map."""
+    page = explore("#" + "&".join(paper(0.03)), has_touch=True)
+    page.cdp = page.page.context.new_cdp_session(page.page)
+    page.page.locator("#map").scroll_into_view_if_needed()
+    top = page.page.evaluate("() => scrollY")
+    corner = distance(note(page, 0.99, 0.5)) / 0.98
+    touch(page, "touchStart", (0.5, 0.3))
+    touch(page, "touchStart", (0.5, 0.3), (0.7, 0.3))
+    for k in range(1, 6):
+        touch(page, "touchMove", (0.5 - 0.02 * k, 0.3), (0.7 + 0.02 * k, 0.3))
+    page.until("document.getElementById('zoom-words').textContent !== ''")
+    # From 0.2 to 0.4 of the width, around the place at 0.6 and 0.3: 0.1 and 0.2 of the width beside the axis.
+    zoom, x, y = view(page)
+    assert zoom == pytest.approx(2, rel=0.02)
+    assert [x, y] == pytest.approx([0.2 * corner / 2, 0.4 * corner / 2], rel=0.05)
+    # Both to the left, by a tenth of the width: the map follows.
+    for k in range(1, 6):
+        touch(page, "touchMove", (0.4 - 0.02 * k, 0.3), (0.8 - 0.02 * k, 0.3))
+    page.until(f"!document.getElementById('zoom-words').textContent.includes('x = {x:.3g}')")
+    page.page.wait_for_timeout(100)
+    assert view(page)[0] == pytest.approx(2, rel=0.02)
+    assert view(page)[1] == pytest.approx(x + 0.2 * corner / 2, rel=0.05)
+    touch(page, "touchEnd")
+    assert page.page.evaluate("() => scrollY") == top
+    # One finger moves the magnified map, as a pointer does.
+    before = view(page)[2]
+    touch(page, "touchStart", (0.5, 0.5))
+    for k in range(1, 6):
+        touch(page, "touchMove", (0.5, 0.5 - 0.02 * k))
+    touch(page, "touchEnd")
+    page.page.wait_for_timeout(100)
+    assert view(page)[2] == pytest.approx(before - 0.2 * corner / 2, rel=0.1)
 
 
 def test_the_wheel_magnifies_around_the_pointer(explore):

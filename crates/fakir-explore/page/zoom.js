@@ -1,10 +1,11 @@
-// The part of the map that is shown: buttons, keys, wheel and pointer.
+// The part of the map that is shown: buttons, keys, wheel, pointer and two fingers.
 
 import { halfWidth } from "./map.js";
 import { engineeringText, significant } from "./numbers.js";
 import { byId } from "./screen.js";
 
 /**
+ * @import { Place } from "./charts.js"
  * @import { MapContents } from "./map.js"
  * @import { MapView, State, Store } from "./store.js"
  */
@@ -92,15 +93,53 @@ export function zoomable(store, contentsOf) {
     },
     { passive: false },
   );
+  /** Places of the fingers on the map, in pixels. @type {Map<number, Place>} */
+  const fingers = new Map();
   canvas.addEventListener("pointerdown", (event) => {
-    if (store.state.chosen.view === null || event.button !== 0) return;
-    canvas.setPointerCapture(event.pointerId);
+    if (event.pointerType === "touch") fingers.set(event.pointerId, [event.offsetX, event.offsetY]);
+    const isDrag = store.state.chosen.view !== null && event.button === 0;
+    if (isDrag || fingers.size === 2) canvas.setPointerCapture(event.pointerId);
   });
-  canvas.addEventListener("pointermove", ({ pointerId, movementX, movementY }) => {
-    if (!canvas.hasPointerCapture(pointerId)) return;
+  canvas.addEventListener("pointermove", (event) => {
+    const { pointerId, movementX, movementY } = event;
     const half = canvas.clientWidth / 2;
-    move(-movementX / half, movementY / half);
+    if (fingers.size === 2 && fingers.has(pointerId)) {
+      const before = spread([...fingers.values()]);
+      fingers.set(pointerId, [event.offsetX, event.offsetY]);
+      const after = spread([...fingers.values()]);
+      // The places under the fingers follow them.
+      magnify(after.apart / before.apart, before.middle[0] / half - 1, 1 - before.middle[1] / half);
+      move((before.middle[0] - after.middle[0]) / half, (after.middle[1] - before.middle[1]) / half);
+      return;
+    }
+    if (fingers.has(pointerId)) fingers.set(pointerId, [event.offsetX, event.offsetY]);
+    if (canvas.hasPointerCapture(pointerId)) move(-movementX / half, movementY / half);
   });
+  for (const end of /** @type {const} */ (["pointerup", "pointercancel"])) {
+    canvas.addEventListener(end, ({ pointerId }) => fingers.delete(pointerId));
+  }
+  // One finger scrolls the page while the whole map is shown; two never do.
+  for (const touch of /** @type {const} */ (["touchstart", "touchmove"])) {
+    canvas.addEventListener(
+      touch,
+      (event) => {
+        if (event.touches.length > 1) event.preventDefault();
+      },
+      { passive: false },
+    );
+  }
+}
+
+/** Smallest distance of two fingers, pixels. */
+const CLOSEST = 10;
+
+/**
+ * Distance of two fingers, and the place in the middle between them.
+ * @param {readonly Place[]} fingers
+ * @returns {{ apart: number, middle: Place }}
+ */
+function spread([[x, y] = [0, 0], [u, v] = [0, 0]]) {
+  return { apart: Math.max(CLOSEST, Math.hypot(x - u, y - v)), middle: [(x + u) / 2, (y + v) / 2] };
 }
 
 /**
