@@ -178,12 +178,7 @@ impl<const N: usize> Columns<N> {
             line: line as u64 + 1,
             problem,
         };
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let text = match std::str::from_utf8(bytes) {
-            Ok(text) => Cow::Borrowed(text),
-            // The bytes of Latin-1 are the first characters of Unicode.
-            Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
-        };
+        let text = text_of(bytes);
         let lines: Vec<&str> = text.lines().collect();
         let (heading_line, separator, headings) = self.heading(&lines);
         let below = lines.iter().enumerate().skip(heading_line + 1);
@@ -244,6 +239,18 @@ impl<const N: usize> Columns<N> {
             rows,
             lines: row_lines,
         })
+    }
+
+    /// Which columns the headings of a table name. Its rows and units are not checked.
+    pub(crate) fn named(&self, bytes: &[u8]) -> [bool; N] {
+        let text = text_of(bytes);
+        let lines: Vec<&str> = text.lines().collect();
+        let (_, _, headings) = self.heading(&lines);
+        let mut named = [false; N];
+        for meaning in headings.iter().filter_map(|heading| self.meaning(heading)) {
+            named[meaning.column] = true;
+        }
+        named
     }
 
     /// Line of the headings, from 0, the separator of the columns, and the headings: the first line that is no comment, or a comment before
@@ -426,6 +433,16 @@ impl Place {
                 Some((4.0 * area / PI).sqrt() * length("1").ok()?)
             }
         }
+    }
+}
+
+/// The text of a table.
+fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        // The bytes of Latin-1 are the first characters of Unicode.
+        Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
     }
 }
 

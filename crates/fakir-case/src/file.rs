@@ -79,7 +79,7 @@ impl CaseFile {
         }
     }
 
-    /// Gives the contents of the table that `pattern.pillars` names, which is then not read.
+    /// Gives the contents of the file that `pattern.pillars` or `surface.height_map` names, which is then not read.
     #[must_use]
     pub fn with_table(self, name: &str, contents: &[u8]) -> Self {
         Self {

@@ -108,9 +108,7 @@ pub fn read_scaled_map(
         memory_limit,
     };
     let opened = File::open(path).map_err(|error| source.unreadable(error))?;
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
-        Some("npy") => place(&file, parse_npy(&source, BufReader::new(opened))?, scale),
+    match extension(path).as_deref() {
         Some("npz") => {
             let archive = Archive::open(opened).map_err(|error| source.damaged(&error))?;
             let packed = packed_array(&source, &archive, array)?;
@@ -129,12 +127,108 @@ pub fn read_scaled_map(
                 Err(error) => Err(source.damaged(&error)),
             }
         }
-        _ => place(
-            &file,
-            parse_other(&source, path, BufReader::new(opened))?,
-            scale,
-        ),
+        _ => scaled(&source, path, BufReader::new(opened), scale),
     }
+}
+
+/// [`read_scaled_map`] from the contents of a file, whose name and format `path` gives. Archives of NumPy are only read from files.
+///
+/// # Errors
+/// As [`read_scaled_map`].
+pub fn scaled_map_in(
+    path: &Path,
+    contents: &[u8],
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<HeightMap, HeightMapError> {
+    let file = path.display().to_string();
+    let source = Source {
+        file: &file,
+        memory_limit,
+    };
+    if extension(path).as_deref() == Some("npz") {
+        return Err(HeightMapError::OtherFormat {
+            format: "an archive of arrays",
+            advice: "save one array as .npy",
+            file,
+        });
+    }
+    scaled(&source, path, contents, scale)
+}
+
+/// Whether a file with these contents is a height map rather than a table of named columns: its format is one of arrays, images or profilers, or
+/// it is a text with many numbers in every row.
+#[must_use]
+pub fn is_height_map(path: &Path, contents: &[u8]) -> bool {
+    /// Columns from which a text without headings is a map.
+    const MANY: usize = 8;
+    let is_array = matches!(extension(path).as_deref(), Some("npy" | "npz"));
+    let starts = [
+        "\u{89}PNG",
+        "II*\0",
+        "MM\0*",
+        "aISO",
+        "bISO",
+        "aBCR",
+        "ncols",
+    ];
+    let latin: String = contents
+        .iter()
+        .take(8)
+        .map(|byte| char::from(*byte))
+        .collect();
+    if is_array || starts.iter().any(|start| latin.starts_with(start)) {
+        return true;
+    }
+    let is_archive = contents.starts_with(b"PK\x03\x04");
+    if is_archive
+        && archive::names(contents)
+            .iter()
+            .any(|name| name == "main.xml")
+    {
+        return true;
+    }
+    let start = String::from_utf8_lossy(&contents[..contents.len().min(100_000)]);
+    let rows = start.lines().filter(|line| {
+        let line = line.trim();
+        !line.is_empty() && !line.starts_with('#')
+    });
+    let separators: &[char] = &[' ', '\t', ',', ';'];
+    let numbers = |line: &str| {
+        let cells = line.split(separators).filter(|cell| !cell.is_empty());
+        let mut count = 0;
+        for cell in cells {
+            cell.parse::<f64>().ok()?;
+            count += 1;
+        }
+        Some(count)
+    };
+    // The last line may be cut off.
+    let rows: Vec<&str> = rows.take(8).collect();
+    rows.len() > 2
+        && rows[..rows.len() - 1]
+            .iter()
+            .all(|row| numbers(row).is_some_and(|count| count >= MANY))
+}
+
+/// Ending of the name of a file, in lower case.
+fn extension(path: &Path) -> Option<String> {
+    let extension = path.extension()?.to_ascii_lowercase();
+    extension.to_str().map(str::to_owned)
+}
+
+/// Reads a map, which is no archive of arrays.
+fn scaled(
+    source: &Source<'_>,
+    path: &Path,
+    contents: impl BufRead,
+    scale: &GivenScale,
+) -> Result<HeightMap, HeightMapError> {
+    let table = match extension(path).as_deref() {
+        Some("npy") => parse_npy(source, contents)?,
+        _ => parse_other(source, path, contents)?,
+    };
+    place(source.file, table, scale)
 }
 
 /// Number of bytes by which formats are recognised.

@@ -44,6 +44,23 @@ pub(crate) fn pillars_in(
     COLUMNS.parse(name, contents, None, otherwise(common))
 }
 
+/// What the headings of a table of pillars name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PillarColumns {
+    /// Whether there are heights.
+    pub height: bool,
+    /// Whether there are diameters, radii or areas.
+    pub diameter: bool,
+}
+
+/// The columns of a table of pillars with these contents; `None` if the headings do not name x and y, so that it is no table of pillars. Its rows
+/// are not checked.
+#[must_use]
+pub fn pillar_columns(contents: &[u8]) -> Option<PillarColumns> {
+    let [x, y, height, diameter] = COLUMNS.named(contents);
+    (x && y).then_some(PillarColumns { height, diameter })
+}
+
 fn otherwise(common: &Pillar) -> [f64; 4] {
     [f64::NAN, f64::NAN, common.height, common.diameter]
 }
@@ -179,6 +196,32 @@ mod tests {
         let [x, y] = one.centre;
         let values = [x, y, one.height, one.diameter, other.height].map(f64::to_bits);
         assert_eq!(values, [1e-5, 0.0, 2e-6, 6e-6, 2.1e-6].map(f64::to_bits));
+    }
+
+    #[test]
+    fn headings_tell_a_table_of_pillars_from_other_tables() {
+        let columns = |height, diameter| Some(PillarColumns { height, diameter });
+        for (text, expected) in [
+            ("x_m,y_m\n0,0\n", columns(false, false)),
+            (
+                "# of a design\ny_m, x_m, height_m\n0, 1e-5, 2e-6\n",
+                columns(true, false),
+            ),
+            (
+                " ,Label,X [um],Y [um],Area [um^2]\n1,a,10,0,28\n",
+                columns(false, true),
+            ),
+            (
+                "Pillar,x,y,d,h\n,mm,mm,um,um\n1,0.01,0,4,2\n",
+                columns(true, true),
+            ),
+            ("displacement_um,force_uN\n0,0\n", None),
+            ("x_um,force_uN\n0,0\n", None),
+            ("0 1 2\n1 2 3\n", None),
+            ("", None),
+        ] {
+            assert_eq!(pillar_columns(text.as_bytes()), expected, "{text}");
+        }
     }
 
     #[test]

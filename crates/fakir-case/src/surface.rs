@@ -4,7 +4,9 @@ use crate::case::write_toml;
 use crate::entries::both_given;
 use crate::error::{CaseError, Place};
 use crate::file::CaseFile;
-use crate::height_map::{GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, shown};
+use crate::height_map::{
+    GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, scaled_map_in, shown,
+};
 use crate::height_table::BYTES_PER_POINT;
 use crate::key::{Key, root};
 use crate::parts::{
@@ -55,7 +57,7 @@ impl SurfaceCase {
     }
 
     /// The case as a case file with comments. It contains the given keys, with the absolute path of
-    /// a height map; reading it gives the same case, bit for bit.
+    /// a height map, unless its contents were given; reading it gives the same case, bit for bit.
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| {
@@ -124,7 +126,11 @@ impl CaseFile {
         self.relaxation_of(&parts)?;
         let SurfaceParts { boundary, .. } = parts.surface;
         let (surface, origin) = if kind == Part::HeightMap {
-            let path = self.named_file(Key::HeightMap, &parts.surface.height_map);
+            let named = Path::new(&parts.surface.height_map);
+            let path = match &self.table {
+                Some((name, _)) if name == named => name.clone(),
+                _ => self.named_file(Key::HeightMap, &parts.surface.height_map),
+            };
             let surface = self.height_map(&parts.surface, &path, memory_limit)?;
             (surface, SurfaceOrigin::HeightMap(path))
         } else {
@@ -347,7 +353,13 @@ impl CaseFile {
                 .problem(Key::Array, problem)
                 .accepted("leave it out, or name an .npz file as surface.height_map"));
         }
-        read_scaled_map(path, array, &scale, memory_limit).map_err(|error| match error {
+        let read = match &self.table {
+            Some((name, contents)) if name == path => {
+                scaled_map_in(path, contents, &scale, memory_limit)
+            }
+            _ => read_scaled_map(path, array, &scale, memory_limit),
+        };
+        read.map_err(|error| match error {
             HeightMapError::TooLarge { points, bytes, .. } => {
                 let points = format!("a map of {points}");
                 self.too_large(Key::HeightMap, bytes, memory_limit, &points)
@@ -588,6 +600,14 @@ impl CaseFile {
             (Key::LensProfile, &mut parts.shape.profile),
             (Key::RelaxationTable, &mut parts.relaxation.table),
         ] {
+            // A file whose contents were given has only its name.
+            let is_given = self
+                .table
+                .as_ref()
+                .is_some_and(|(name, _)| name == Path::new(place));
+            if is_given {
+                continue;
+            }
             let path = self.named_file(key, place);
             let path = std::path::absolute(&path).unwrap_or(path);
             *place = path.to_string_lossy().into_owned();
