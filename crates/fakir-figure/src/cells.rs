@@ -102,7 +102,7 @@ impl SurfaceState<'_> {
     ///
     /// # Errors
     /// [`FigureError::TooFewData`] if fewer than two cells are shown.
-    pub(crate) fn section(&self) -> Result<Section, FigureError> {
+    pub fn section(&self) -> Result<Section, FigureError> {
         let grid = self.grid();
         let row = (-grid.origin()[1] / grid.cell()[1]).floor();
         let row = (row.max(0.0) as usize).min(grid.rows() - 1);

@@ -1,5 +1,7 @@
 //! Figures of a sweep, and figures as files.
 
+use crate::approach::Loadable;
+use crate::history::Followed;
 use crate::numbers::{column_unit, scaled};
 use crate::output::File;
 use crate::provenance::Provenance;
@@ -10,8 +12,8 @@ use fakir_case::Study;
 use fakir_case::study::{Asked, Axis, Combine, Coordinate, Variable};
 use fakir_case::unit::Dimension;
 use fakir_figure::{
-    Axis as FigureAxis, CriticalStateCurve, CriticalStatePoint, Figure, PullOffCurve, PullOffPoint,
-    Text, critical_states, pull_off_curves,
+    Axis as FigureAxis, CriticalStateCurve, CriticalStatePoint, Figure, FigureError, HistoryPoint,
+    PullOffCurve, PullOffPoint, Text, critical_states, history, pull_off_curves,
 };
 use std::collections::BTreeMap;
 
@@ -24,6 +26,26 @@ pub fn saved(figure: Figure, provenance: &Provenance) -> [File; 2] {
         File::new(format!("{name}.svg"), figure.svg()),
         File::new(format!("{name}.png"), figure.png()),
     ]
+}
+
+/// The figure of a history of viscoelastic bodies.
+///
+/// # Errors
+/// [`FigureError::TooFewData`] for fewer than two states.
+pub fn history_figure<P: Loadable>(found: &Followed<P>) -> Result<Figure, FigureError> {
+    let rows = found.rows();
+    let number = |row: &Record, name: &str| row.number(name);
+    let points: Vec<HistoryPoint> = rows
+        .iter()
+        .map(|row| HistoryPoint {
+            time: number(row, "time_s").unwrap_or(f64::NAN),
+            indentation: number(row, "indentation_m").unwrap_or(f64::NAN),
+            force: number(row, "force_N").unwrap_or(f64::NAN),
+            contact_radius: number(row, "contact_radius_m"),
+            floor_share: number(row, "floor_share"),
+        })
+        .collect();
+    history(&points, found.history.time_to_floor_contact)
 }
 
 /// The label and the points of a curve.

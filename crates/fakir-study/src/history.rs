@@ -242,8 +242,23 @@ pub fn follow<P: Loadable>(
     run: &Run<'_>,
     next: &dyn Fn(&str),
 ) -> Result<Followed<P>, ApproachError> {
-    problem.check_history()?;
     let start = Instant::now();
+    let mut followed = follow_untimed(problem, plan, run, next)?;
+    followed.wall_time = start.elapsed().as_secs_f64();
+    Ok(followed)
+}
+
+/// As [`follow`] without measuring the computing time, which is 0: WebAssembly has no clock.
+///
+/// # Errors
+/// See [`ApproachError`].
+pub fn follow_untimed<P: Loadable>(
+    problem: &P,
+    plan: &HistoryPlan,
+    run: &Run<'_>,
+    next: &dyn Fn(&str),
+) -> Result<Followed<P>, ApproachError> {
+    problem.check_history()?;
     let is_to_floor = |load: &Load| *load == Load::FloorContact;
     let ends_at_floor = plan.course.largest().iter().any(is_to_floor);
     let critical = match problem.no_end() {
@@ -344,7 +359,7 @@ pub fn follow<P: Loadable>(
         curve,
         critical,
         converged,
-        wall_time: start.elapsed().as_secs_f64(),
+        wall_time: 0.0,
         warnings,
     })
 }

@@ -3,7 +3,7 @@
 use super::kind::{Context, Found, Kind, Saved};
 use super::request::{AnswerError, Running};
 use crate::citations::Topic;
-use crate::figures::saved;
+use crate::figures::{history_figure, saved};
 use crate::history::{Followed, HistoryCourse, HistoryPlan, follow};
 use crate::numbers::{LENGTH_DIGITS, digits, significant, with_unit};
 use crate::provenance::Provenance;
@@ -13,7 +13,6 @@ use crate::report::table::{Column, table};
 use crate::result::{HistorySummary, csv_of, json};
 use fakir::state::{Contact, HistoryEvent, Limit};
 use fakir_case::unit::Dimension;
-use fakir_figure::{HistoryPoint, history};
 
 /// Largest number of states in a report; tables and JSON contain all of them.
 const SHOWN: usize = 24;
@@ -101,18 +100,7 @@ impl<K: Kind> Found<K> for Computed<K> {
             csv_of("history.csv", &rows),
             csv_of("history-events.csv", &events),
         ];
-        let number = |row: &Record, name: &str| row.number(name);
-        let points: Vec<HistoryPoint> = rows
-            .iter()
-            .map(|row| HistoryPoint {
-                time: number(row, "time_s").unwrap_or(f64::NAN),
-                indentation: number(row, "indentation_m").unwrap_or(f64::NAN),
-                force: number(row, "force_N").unwrap_or(f64::NAN),
-                contact_radius: number(row, "contact_radius_m"),
-                floor_share: number(row, "floor_share"),
-            })
-            .collect();
-        if let Ok(figure) = history(&points, history_of.time_to_floor_contact) {
+        if let Ok(figure) = history_figure(&self.found) {
             files.extend(saved(figure, provenance));
         }
         Ok(Saved {
