@@ -119,7 +119,7 @@ fn meets_floor(case: &Case, load: LoadPoint) -> bool {
 }
 
 /// Whether the floor carries load past the transition and its force is computed.
-fn floor_carries_load(case: &Case) -> bool {
+pub(crate) fn floor_carries_load(case: &Case) -> bool {
     let applies = case.system.floor_model() == FloorModel::Contact;
     matches!(case.method, Method::Spectral(_)) && applies
 }
@@ -129,6 +129,13 @@ pub(crate) fn indentation(case: &Case, critical: f64, fraction: f64) -> f64 {
     let touch = first_touch(case);
     let touch = if touch < critical { touch } else { 0.0 };
     touch + fraction * (critical - touch)
+}
+
+/// Fraction of the path from first contact to the critical state at an indentation, m; 0 before contact.
+pub(crate) fn position(case: &Case, critical: f64, indentation: f64) -> f64 {
+    let touch = first_touch(case);
+    let touch = if touch < critical { touch } else { 0.0 };
+    ((indentation - touch) / (critical - touch)).max(0.0)
 }
 
 /// Indentation, m, at which the nearest pillar comes into contact.
@@ -230,6 +237,18 @@ pub(crate) struct Section {
     floor_contacts_m: Vec<Point>,
     /// Floor contact: the ends of every interval along x.
     floor_m: Vec<[f64; 2]>,
+}
+
+impl From<fakir_figure::Section> for Section {
+    fn from(section: fakir_figure::Section) -> Self {
+        Self {
+            x_m: section.x,
+            lens_m: section.lens,
+            surface_m: section.surface,
+            floor_contacts_m: section.floor_contacts,
+            floor_m: section.floor_patches,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -446,13 +465,7 @@ pub(crate) fn section(
     let detail = SectionDetail::Screen;
     let run = worker.run();
     match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
-        Ok(section) => Ok(Some(Section {
-            x_m: section.x,
-            lens_m: section.lens,
-            surface_m: section.surface,
-            floor_contacts_m: section.floor_contacts,
-            floor_m: section.floor_patches,
-        })),
+        Ok(section) => Ok(Some(section.into())),
         Err(FigureError::NoPillars { .. }) => Ok(None),
         Err(error) => Err(error.into()),
     }

@@ -3,7 +3,7 @@
 use crate::refusal::Refusal;
 use crate::request::{self, Ticket};
 use crate::worker::{Failure, Kind, Means, Message, Worker};
-use crate::{answers, cycle, data, export};
+use crate::{answers, cycle, data, export, hold, read, surface};
 use fakir::state::CancelToken;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub(crate) type Work = Box<dyn FnOnce(&Worker) -> Result<(), Failure> + Send>;
 
 /// Reads a request of this kind.
-pub(crate) fn read(kind: Kind, body: &[u8]) -> Result<(Ticket, Work), Refusal> {
+pub(crate) fn parse(kind: Kind, body: &[u8]) -> Result<(Ticket, Work), Refusal> {
     match kind {
         Kind::Contact => of(body, |asked| asked.ticket.clone(), answers::contact),
         Kind::Cycle => of(body, |asked| asked.ticket.clone(), cycle::cycle),
@@ -22,6 +22,21 @@ pub(crate) fn read(kind: Kind, body: &[u8]) -> Result<(Ticket, Work), Refusal> {
             body,
             |asked: &data::Request| asked.ticket.clone(),
             data::answer,
+        ),
+        Kind::Hold => of(
+            body,
+            |asked: &hold::Request| asked.ticket.clone(),
+            hold::answer,
+        ),
+        Kind::Read => of(
+            body,
+            |asked: &read::Request| asked.ticket.clone(),
+            read::answer,
+        ),
+        Kind::Surface => of(
+            body,
+            |asked: &surface::Request| asked.ticket.clone(),
+            surface::answer,
         ),
         Kind::Export => of(
             body,
@@ -66,7 +81,7 @@ pub enum Part {
 }
 
 /// Answers a request as the server does, without sockets and on the calling thread. `name` is the last part of its
-/// address (`contact`, `cycle`, `curves`, `phase`, `export`), `body` its JSON; `send` receives the answer while it is
+/// address (`contact`, `cycle`, `curves`, `phase`, `hold`, `fit`, `export`), `body` its JSON; `send` receives the answer while it is
 /// computed.
 pub fn answer(
     name: &str,
@@ -85,10 +100,10 @@ pub fn answer(
             }
         }
     };
-    let read = Kind::named(name)
+    let parsed = Kind::named(name)
         .ok_or_else(|| Refusal::malformed("there is nothing here"))
-        .and_then(|kind| Ok((kind, read(kind, body)?)));
-    match read {
+        .and_then(|kind| Ok((kind, parse(kind, body)?)));
+    match parsed {
         Err(refusal) => send(Message::Refused(refusal)),
         Ok((kind, (_, work))) => {
             let means = Means {

@@ -2,6 +2,8 @@
 
 use crate::answers::{Solved, solve};
 use crate::cycle::SolvedCycle;
+use crate::hold::{self, Held};
+use crate::lines::hold_texts;
 use crate::refusal::Refusal;
 use crate::request::{self, LoadPoint};
 use crate::worker::{Failure, File, Worker};
@@ -13,9 +15,12 @@ use fakir_figure::{
     floor_gap_map, phase_diagram, phase_point, pressure_map, profiles, release_map, top_view,
 };
 use fakir_study::citations::Topic;
-use fakir_study::figures::question_in_figure;
+use fakir_study::figures::{history_figure, question_in_figure};
 use fakir_study::provenance::{Provenance, method_words};
-use fakir_study::result::{CycleSummary, control_words, json, pillars, press, transition};
+use fakir_study::record::Record;
+use fakir_study::result::{
+    CycleSummary, HistorySummary, control_words, json, pillars, press, transition,
+};
 
 const FIGURES: [&str; 5] = [
     "pressure-map",
@@ -43,8 +48,13 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
     let file = match (name, extension) {
         ("case", "toml") => File {
             kind: TOML,
-            contents: case.to_toml().into_bytes(),
+            contents: match &request.hold {
+                None => case.to_toml(),
+                Some(hold) => hold_texts(&case, hold).case_file().to_owned(),
+            }
+            .into_bytes(),
         },
+        ("history", "json" | "csv" | "svg" | "png") => history(case, request, extension, worker)?,
         ("summary", "json") => File {
             kind: JSON,
             contents: solved(&case, request, worker)?.summary(),
@@ -77,7 +87,7 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
             return Err(Refusal::impossible("there is no such file")
                 .at("file")
                 .accepted(format!(
-                    "case.toml, summary.json, pillars.csv, or {}, or with adhesion {}, as .svg or .png",
+                    "case.toml, summary.json, pillars.csv, or {}, or with adhesion {}, as .svg or .png; over time history.json, history.csv, history.svg, history.png",
                     FIGURES.join(", "),
                     CYCLE_FIGURES.join(", ")
                 ))
@@ -86,6 +96,52 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
     };
     worker.send_file(file);
     Ok(())
+}
+
+/// The load over time: its numbers, the table of its states, or their figure.
+fn history(
+    case: Case,
+    request: &request::Export,
+    extension: &str,
+    worker: &Worker,
+) -> Result<File, Failure> {
+    let Some(hold) = &request.hold else {
+        return Err(Refusal::impossible("no load is held over time")
+            .at("hold")
+            .into());
+    };
+    let Held { case, found } = hold::solve(case, hold, worker)?;
+    Ok(match extension {
+        "json" => File {
+            kind: JSON,
+            contents: format!("{}\n", json(&HistorySummary::new(&case, &found))).into_bytes(),
+        },
+        "csv" => File {
+            kind: CSV,
+            contents: Record::csv(&found.rows()),
+        },
+        _ => {
+            let question = hold.course().words();
+            let stamp = Provenance::new(
+                question,
+                method_words(case.method),
+                &[Topic::Viscoelastic],
+                case.to_toml(),
+            )
+            .stamp();
+            let figure = history_figure(&found)?.with_provenance(&stamp);
+            match extension {
+                "svg" => File {
+                    kind: SVG,
+                    contents: figure.svg().into_bytes(),
+                },
+                _ => File {
+                    kind: PNG,
+                    contents: figure.png(),
+                },
+            }
+        }
+    })
 }
 
 /// Data of a file.

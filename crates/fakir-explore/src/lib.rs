@@ -16,6 +16,9 @@
 //! | `POST /api/curves` | critical states over the surface fraction, as they are computed |
 //! | `POST /api/phase` | transition curve and loading path |
 //! | `POST /api/export` | a file: case, numbers, figures (`export`) |
+//! | `POST /api/hold` | a load on viscoelastic bodies over time (`hold`) |
+//! | `POST /api/read` | what a file contains: pillars, heights or a curve (`read`) |
+//! | `POST /api/surface` | the contact with a height map (`surface`) |
 //! | `POST /api/fit` | a measured curve as it was read, and its fit (`data`) |
 //!
 //! Requests of the API have the token in the header `x-fakir-token` and a JSON object as body. Long
@@ -40,10 +43,13 @@ mod data;
 mod dispatch;
 mod export;
 mod floor;
+mod hold;
 mod lines;
+mod read;
 mod refusal;
 mod request;
 mod start;
+mod surface;
 mod worker;
 
 #[cfg(feature = "server")]

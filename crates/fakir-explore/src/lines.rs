@@ -1,7 +1,7 @@
 //! The case of the page as a command and as Python code, which the user can copy.
 
-use crate::request::is_on_page;
-use fakir::problem::FloorModel;
+use crate::request::{GivenHold, is_on_page};
+use fakir::problem::{FloorModel, Load};
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, Key};
 use serde::Serialize;
@@ -25,7 +25,23 @@ pub(crate) fn cycle_texts(case: &Case) -> Texts {
     Texts::of(case, Question::Cycle)
 }
 
+/// For a load that is held. The question is also the first line of the case file, as a comment.
+pub(crate) fn hold_texts(case: &Case, hold: &GivenHold) -> Texts {
+    let question = Question::Hold(*hold);
+    let texts = Texts::of(case, question);
+    let asked = question.command().replace("case.toml", "fakir-case.toml");
+    Texts {
+        toml: format!("# {asked}\n{}", texts.toml),
+        ..texts
+    }
+}
+
 impl Texts {
+    /// The case file.
+    pub(crate) fn case_file(&self) -> &str {
+        &self.toml
+    }
+
     fn of(case: &Case, question: Question) -> Self {
         Self {
             toml: case.to_toml(),
@@ -41,20 +57,66 @@ enum Question {
     /// The contact at an indentation, m; the critical state without an indentation.
     Contact(Option<f64>),
     Cycle,
+    /// A load that is reached in a time and held.
+    Hold(GivenHold),
+}
+
+impl Question {
+    /// The command for a case file `case.toml`.
+    fn command(self) -> String {
+        let option = |value, dimension| format_quantity(value, dimension).replace(' ', "");
+        match self {
+            Self::Contact(None) => "fakir transition case.toml".to_owned(),
+            Self::Contact(Some(indentation)) => format!(
+                "fakir press case.toml --indentation {}",
+                option(indentation, Dimension::Length)
+            ),
+            Self::Cycle => "fakir cycle case.toml".to_owned(),
+            Self::Hold(hold) => {
+                let [name, load] = load_of(&hold);
+                let [ramp, duration] = hold.times().map(|time| option(time, Dimension::Time));
+                let load = load.replace(' ', "");
+                format!("fakir hold case.toml --{name} {load} --ramp {ramp} --for {duration}")
+            }
+        }
+    }
+}
+
+/// Name and value of a load that is held.
+fn load_of(hold: &GivenHold) -> [String; 2] {
+    match hold.load() {
+        Load::Force(force) => ["force".to_owned(), format_quantity(force, Dimension::Force)],
+        Load::Indentation(value) => [
+            "indentation".to_owned(),
+            format_quantity(value, Dimension::Length),
+        ],
+        Load::FloorContact => ["indentation".to_owned(), String::new()],
+    }
+}
+
+/// The call of the Python package for a load that is held.
+fn python_hold(hold: &GivenHold, relaxation: &str) -> String {
+    let [name, load] = load_of(hold);
+    let [ramp, duration] = hold
+        .times()
+        .map(|time| format_quantity(time, Dimension::Time));
+    format!(
+        "history = system.hold({name}=\"{load}\", ramp=\"{ramp}\", duration=\"{duration}\"{relaxation})\nprint(history)\n"
+    )
+}
+
+/// The relaxation of a case as an argument in Python.
+fn python_relaxation(case: &Case) -> String {
+    let list = |key| case.value(key).unwrap_or_else(|| "[]".to_owned());
+    let [strengths, times] = [Key::RelaxationStrengths, Key::RelaxationTimes].map(list);
+    format!(", relaxation=fakir.Relaxation({strengths}, {times})")
 }
 
 /// The equivalent command. It overrides each key that differs from the case that `fakir init` writes, and
 /// fails if a file with that name, possibly of another case, exists.
 fn command(case: &Case, question: Question) -> String {
     let example = Case::example();
-    let question = match question {
-        Question::Contact(None) => "fakir transition case.toml".to_owned(),
-        Question::Contact(Some(indentation)) => format!(
-            "fakir press case.toml --indentation {}",
-            format_quantity(indentation, Dimension::Length).replace(' ', "")
-        ),
-        Question::Cycle => "fakir cycle case.toml".to_owned(),
-    };
+    let question = question.command();
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
         // Keys with the value of the example need no override.
@@ -71,6 +133,9 @@ fn command(case: &Case, question: Question) -> String {
 
 /// `key=value` for a shell: a quantity without space, a word without quotes.
 fn argument(key: Key, value: &str) -> String {
+    if value.starts_with('[') {
+        return format!("'{}={value}'", key.path());
+    }
     let value = value.trim_matches('"').replace(' ', "");
     format!("{}={value}", key.path())
 }
@@ -111,6 +176,7 @@ fn python(case: &Case, question: Question) -> String {
             let accuracy = case.value(Key::Accuracy).unwrap_or_default();
             format!("cycle = system.cycle(accuracy={accuracy})\nprint(cycle)\n")
         }
+        Question::Hold(hold) => python_hold(&hold, &python_relaxation(case)),
     };
     format!(
         "import fakir\n\n\
@@ -137,6 +203,8 @@ fn listed(case: &Case, question: Question) -> String {
             format_quantity(indentation, Dimension::Length)
         ),
         Question::Cycle => "cycle = system.cycle()\nprint(cycle)\n".to_owned(),
+        // The relaxation is part of the case file.
+        Question::Hold(hold) => python_hold(&hold, ""),
     };
     format!(
         "import fakir\n\nsystem = fakir.System.from_file(\"fakir-case.toml\")  # the saved case file, beside the table\n{question}"

@@ -4,10 +4,14 @@ use crate::refusal::Refusal;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{Arrangement, Base, HexagonalLattice, PillarList, Point as Point2, System};
+use fakir::problem::{
+    Arrangement, Base, HexagonalLattice, Load, PillarList, Point as Point2, System,
+};
 use fakir::solve::homogenised;
 use fakir_case::table_text::unpack_table;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{Case, CaseFile, Key, Setting};
+use fakir_study::history::HistoryCourse;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::convert::Infallible;
@@ -57,15 +61,18 @@ const LONGEST_NAME: usize = 250;
 impl GivenFile {
     /// Its contents, unpacked, of at most `largest` bytes. `key` names it in errors.
     pub(crate) fn contents(&self, key: &str, largest: u64) -> Result<Vec<u8>, Refusal> {
-        let refused = |words: String| Refusal::impossible(words).at(key);
+        unpack_table(Path::new(&self.name), self.bytes(key)?, largest)
+            .map_err(|error| Refusal::impossible(format!("{}: {error}", self.name)).at(key))
+    }
+
+    /// Its contents as they were given. `key` names it in errors.
+    pub(crate) fn bytes(&self, key: &str) -> Result<Vec<u8>, Refusal> {
         if self.name.len() > LONGEST_NAME {
-            return Err(refused("the name of the file is too long".to_owned()));
+            return Err(Refusal::impossible("the name of the file is too long").at(key));
         }
-        let bytes = BASE64
+        BASE64
             .decode(&self.base64)
-            .map_err(|error| Refusal::malformed(format!("not such a file: {error}")))?;
-        unpack_table(Path::new(&self.name), bytes, largest)
-            .map_err(|error| refused(format!("{}: {error}", self.name)))
+            .map_err(|error| Refusal::malformed(format!("not such a file: {error}")))
     }
 }
 
@@ -104,6 +111,9 @@ pub(crate) struct Export {
     pub(crate) table: Option<GivenFile>,
     #[serde(default)]
     pub(crate) load: LoadPoint,
+    /// The load over time, if it is shown.
+    #[serde(default)]
+    pub(crate) hold: Option<GivenHold>,
     pub(crate) file: String,
 }
 
@@ -152,19 +162,87 @@ impl LoadPoint {
     }
 }
 
+/// Longest duration of a ramp or a hold, s: thirty years.
+const LONGEST: f64 = 1e9;
+
+/// A load that is reached in a time and then held.
+#[derive(Debug, Clone, Copy, Deserialize)]
+#[serde(deny_unknown_fields)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+pub(crate) struct GivenHold {
+    /// Whether an indentation or a force is held.
+    by: By,
+    /// Indentation, m, or force, N.
+    load: f64,
+    /// Duration of the ramp, s; 0 for a step.
+    ramp_s: f64,
+    /// Duration of the hold, s.
+    hold_s: f64,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum By {
+    Indentation,
+    Force,
+}
+
+impl GivenHold {
+    pub(crate) fn load(&self) -> Load {
+        match self.by {
+            By::Indentation => Load::Indentation(self.load),
+            By::Force => Load::Force(self.load),
+        }
+    }
+
+    pub(crate) fn times(&self) -> [f64; 2] {
+        [self.ramp_s, self.hold_s]
+    }
+
+    pub(crate) fn course(&self) -> HistoryCourse {
+        HistoryCourse::Hold {
+            load: self.load(),
+            ramp: self.ramp_s,
+            duration: self.hold_s,
+            back: false,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Refusal> {
+        let refused = |name: &str, value: f64, accepted: &str| {
+            Err(Refusal::impossible(format!("{name} cannot be {value}"))
+                .at(format!("hold.{name}"))
+                .accepted(accepted))
+        };
+        if !(self.load > 0.0 && self.load.is_finite()) {
+            return refused("load", self.load, "a load greater than 0");
+        }
+        let is_time = |time: f64| (0.0..=LONGEST).contains(&time);
+        if !is_time(self.ramp_s) {
+            return refused("ramp", self.ramp_s, "a time from 0 s to 1e9 s");
+        }
+        if !(is_time(self.hold_s) && self.hold_s + self.ramp_s > 0.0) {
+            return refused(
+                "hold",
+                self.hold_s,
+                "a time up to 1e9 s, greater than 0 without a ramp",
+            );
+        }
+        Ok(())
+    }
+}
+
 /// Arrangements that the page supports.
 pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "oblique"];
 
 /// Whether the page has a control for a key: it supports [lattices](LATTICES), but no listed
-/// pillars, and shows relaxed bodies.
+/// pillars.
 pub(crate) fn is_on_page(key: Key) -> bool {
     let without_control = [
         Key::Pillars,
         Key::AxisX,
         Key::AxisY,
         Key::TopRadius,
-        Key::RelaxationStrengths,
-        Key::RelaxationTimes,
         Key::RelaxationTable,
     ];
     let goes_with_shape = key
@@ -180,25 +258,40 @@ pub(crate) fn is_thickness(key: Key) -> bool {
     [Key::SubstrateThickness, Key::LensThickness].contains(&key)
 }
 
-/// The values of a case, in SI units.
+/// The values of a case, in SI units. A relaxation that was fitted to a table is given by its terms.
 pub(crate) fn of_case(case: &Case) -> Values {
-    Key::ALL
+    let mut values: Values = Key::ALL
         .into_iter()
         .filter(|key| is_on_page(*key))
         .filter_map(|key| Some((key.path().to_owned(), case.setting(key)?)))
-        .collect()
+        .collect();
+    if let Some(relaxation) = &case.relaxation {
+        let terms = || relaxation.terms().iter();
+        let strengths = terms().map(|term| format_quantity(term.strength, Dimension::Number));
+        let times = terms().map(|term| format_quantity(term.time, Dimension::Time));
+        for (key, items) in [
+            (Key::RelaxationStrengths, strengths.collect::<Vec<_>>()),
+            (Key::RelaxationTimes, times.collect()),
+        ] {
+            values.insert(key.path().to_owned(), Setting::Word(items.join(", ")));
+        }
+    }
+    values
 }
 
 /// Largest size of a table of pillars, unpacked, bytes.
 const LARGEST_TABLE: u64 = 8_000_000;
 
+/// The keys of the given values.
+pub(crate) fn settings(values: &Values) -> Result<Vec<(Key, Setting)>, Refusal> {
+    let each = values.iter();
+    each.map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
+        .collect()
+}
+
 /// The case of the given values, as a case file.
 pub(crate) fn file(values: &Values, table: Option<&GivenFile>) -> Result<CaseFile, Refusal> {
-    let settings: Result<Vec<_>, Refusal> = values
-        .iter()
-        .map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
-        .collect();
-    let file = CaseFile::from_settings("the page", settings?);
+    let file = CaseFile::from_settings("the page", settings(values)?);
     let Some(Setting::Word(named)) = values.get(Key::Pillars.path()) else {
         return Ok(file);
     };
@@ -219,12 +312,9 @@ pub(crate) fn file(values: &Values, table: Option<&GivenFile>) -> Result<CaseFil
     let Arrangement::Listed(list) = case.system.arrangement() else {
         return Ok(file);
     };
-    let settings = values
-        .iter()
-        .map(|(path, value)| Ok((known(path)?, value.clone())));
-    let settings: Result<Vec<_>, Refusal> = settings.collect();
     let middle = middle_pillar(list).map(Setting::Number);
-    let settings = settings?.into_iter().chain(axis.into_iter().zip(middle));
+    let settings = settings(values)?.into_iter();
+    let settings = settings.chain(axis.into_iter().zip(middle));
     Ok(CaseFile::from_settings("the page", settings).with_table(named, &contents))
 }
 
@@ -356,7 +446,7 @@ fn check_size(case: &Case) -> Result<(), Refusal> {
 }
 
 /// Formats a number with two digits.
-fn significant(value: f64) -> String {
+pub(crate) fn significant(value: f64) -> String {
     let size = 10f64.powf(value.abs().log10().floor() - 1.0);
     format!("{}", (value / size).round() * size)
 }

@@ -322,7 +322,7 @@ fn wrong_method(shared: &Shared, method: &Method, allowed: &'static str) -> Resp
 /// Reads a request and has it computed.
 async fn work(shared: &Shared, request: Request, kind: Kind) -> Response {
     let asked = body(request, kind.largest_body()).await;
-    match asked.and_then(|body| dispatch::read(kind, &body)) {
+    match asked.and_then(|body| dispatch::parse(kind, &body)) {
         Ok((ticket, work)) => shared.jobs.answer(ticket, kind, work).await,
         Err(refusal) => {
             let line = format!("refused a request of the API: {}", refusal.message());

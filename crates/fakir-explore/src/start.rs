@@ -47,12 +47,13 @@ fn keys() -> Vec<Value> {
                 "symbol": key.symbol(),
                 "meaning": key.summary(),
                 "dimension": match key.kind() {
-                    Kind::Number(dimension) => Some(dimension.noun()),
-                    Kind::Word | Kind::Text | Kind::List(_) => None,
+                    Kind::Number(dimension) | Kind::List(dimension) => Some(dimension.noun()),
+                    Kind::Word | Kind::Text => None,
                 },
+                "list": matches!(key.kind(), Kind::List(_)),
                 "least": bound(lower),
                 "greatest": bound(upper),
-                "usual": key.usual(),
+                "usual": key.usual().or(usual_of_list(key)),
                 "whole": key.is_whole(),
                 "infinite": is_thickness(key),
                 "words": words(key),
@@ -65,6 +66,15 @@ fn keys() -> Vec<Value> {
             })
         })
         .collect()
+}
+
+/// Ends of the sliders of relaxing bodies with one term: from a small relaxation to glassy rubber, and from what an instrument resolves to days.
+fn usual_of_list(key: Key) -> Option<[f64; 2]> {
+    match key {
+        Key::RelaxationStrengths => Some([0.01, 100.0]),
+        Key::RelaxationTimes => Some([1e-3, 1e5]),
+        _ => None,
+    }
 }
 
 /// Words of a key that the page supports.

@@ -30,6 +30,12 @@ pub(crate) enum Kind {
     Export,
     /// Reading and fitting of a measured curve.
     Fit,
+    /// A load on viscoelastic bodies over time.
+    Hold,
+    /// What a file contains.
+    Read,
+    /// The contact with a height map.
+    Surface,
 }
 
 impl Kind {
@@ -42,6 +48,9 @@ impl Kind {
             "phase" => Self::Phase,
             "export" => Self::Export,
             "fit" => Self::Fit,
+            "hold" => Self::Hold,
+            "read" => Self::Read,
+            "surface" => Self::Surface,
             _ => return None,
         })
     }
@@ -50,7 +59,7 @@ impl Kind {
     #[cfg(feature = "server")]
     pub(crate) fn largest_body(self) -> usize {
         match self {
-            Self::Fit => 12_000_000,
+            Self::Fit | Self::Read | Self::Surface => 12_000_000,
             _ => 1024 * 1024,
         }
     }
@@ -63,7 +72,7 @@ impl Kind {
     /// Time limit.
     pub(crate) fn patience(self) -> Duration {
         match self {
-            Self::Contact | Self::Export => PATIENCE,
+            Self::Contact | Self::Export | Self::Hold | Self::Read | Self::Surface => PATIENCE,
             Self::Cycle | Self::Curves | Self::Phase | Self::Fit => LONG_PATIENCE,
         }
     }
@@ -224,6 +233,8 @@ impl Worker {
                 let accepted = match self.kind {
                     Kind::Cycle => "fewer pillars, or `fakir cycle`",
                     Kind::Fit => "fewer pillars, or `fakir fit`",
+                    Kind::Hold => "fewer pillars, or `fakir hold`",
+                    Kind::Surface => "fewer points, or `fakir press`",
                     _ => "fewer pillars, a coarser method, or `fakir transition`",
                 };
                 Refusal::impossible(format!("this takes longer than {patience} s"))

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod cycle;
+mod files;
+mod hold;
 mod odd_requests;
 mod running;
 mod server;

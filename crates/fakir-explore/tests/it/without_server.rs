@@ -24,7 +24,8 @@ fn parts(name: &str, body: &Value) -> Vec<Part> {
     parts.clone()
 }
 
-fn lines(name: &str, body: &Value) -> Vec<Value> {
+/// The lines of an answer.
+pub(crate) fn lines(name: &str, body: &Value) -> Vec<Value> {
     let lines = parts(name, body).into_iter().filter_map(|part| match part {
         Part::Line(line) => Some(serde_json::from_slice(&line).unwrap()),
         Part::File { .. } => None,
@@ -154,7 +155,7 @@ fn a_file_that_is_no_curve_is_refused() {
 }
 
 /// Base64, as the browser writes it.
-fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let of_three = |three: &[u8]| {
         let number = three

@@ -1,0 +1,261 @@
+//! The contact of the lens with a height map that the user gives: first on large cells, which takes a fraction of a second, then on smaller ones.
+
+use crate::answers::Section;
+use crate::clock::Moment;
+use crate::refusal::Refusal;
+use crate::request::{self, GivenFile, Ticket, Values};
+use crate::worker::{Failure, Worker};
+use fakir::problem::{Grid, HeightMap, Load, Point, SurfaceSystem};
+use fakir::state::SurfaceContact;
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::{CaseFile, Key, Setting};
+use fakir_figure::{SurfaceState, Text};
+use fakir_study::record::{Object, Record, SurfaceAnswer};
+use fakir_study::result::warnings;
+use serde::{Deserialize, Serialize};
+
+/// Largest number of cells of the first answer: about a third of a second in the browser.
+const FIRST_CELLS: usize = 96 * 96;
+
+/// Largest number of cells that the page computes: seconds.
+const MOST_CELLS: usize = 512 * 512;
+
+/// Largest number of cells of the drawn map along each side.
+const DRAWN: usize = 192;
+
+/// Number of shades, one for each letter.
+const SHADES: f64 = 26.0;
+
+/// Indentation of the first answer, relative to the range of the heights.
+const FIRST_LOAD: f64 = 0.5;
+
+/// `POST /api/surface`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Request {
+    pub(crate) ticket: Ticket,
+    /// Lens and substrate, and size and height unit of the map where the file does not state them.
+    case: Values,
+    map: GivenFile,
+    /// Indentation, m; half the range of the heights if it is not given.
+    #[serde(default)]
+    indentation_m: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct SurfaceLine {
+    surface: Shown,
+}
+
+/// A contact for display.
+#[derive(Serialize)]
+#[allow(non_snake_case)] // names end in the symbol of the unit
+struct Shown {
+    /// Whether the same follows on smaller cells.
+    approximate: bool,
+    /// Cells of the file, and those of this answer, along x and y.
+    file_cells: [usize; 2],
+    cells: [usize; 2],
+    /// Range of the heights, m.
+    relief_m: f64,
+    indentation_m: f64,
+    /// As `fakir press --json` prints it.
+    summary: Object,
+    wall_time_s: f64,
+    warnings: Vec<String>,
+    /// Number of drawn cells along x and y, lower left corner relative to the lens axis, and their size.
+    drawn: [usize; 2],
+    corner_m: Point,
+    cell_m: [f64; 2],
+    /// Heights, a letter for each cell in rows from the smallest y on, from `a` (lowest) to `z`; and pressures, a blank without contact.
+    heights: String,
+    pressures: String,
+    largest_pressure_Pa: f64,
+    section: Section,
+    /// The case file and the command for the whole map.
+    toml: String,
+    command: String,
+}
+
+/// `POST /api/surface`
+pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> {
+    let run = worker.run();
+    let name = &request.map.name;
+    let map = Key::HeightMap;
+    let settings = request::settings(&request.case)?;
+    let named = (map, Setting::Word(name.clone()));
+    let file = CaseFile::from_settings("the page", settings.into_iter().chain([named]))
+        .with_table(name, &request.map.bytes(map.path())?);
+    let case = file
+        .surface_case(run.memory_limit())
+        .map_err(Refusal::from)?;
+    file.refuse_absurd_heights(&case).map_err(Refusal::from)?;
+    let whole = &case.system;
+    let surface = whole.surface();
+    let relief = surface.highest() - surface.lowest();
+    let indentation = match request.indentation_m {
+        None => FIRST_LOAD * relief,
+        Some(value) if value > 0.0 && value.is_finite() => value,
+        Some(value) => {
+            return Err(
+                Refusal::impossible(format!("the indentation cannot be {value} m"))
+                    .at("indentation_m")
+                    .accepted("a length greater than 0")
+                    .into(),
+            );
+        }
+    };
+    let texts = Texts {
+        toml: case.to_toml(),
+        command: format!(
+            "fakir press fakir-surface.toml --indentation {}",
+            format_quantity(indentation, Dimension::Length).replace(' ', "")
+        ),
+    };
+    let count = surface.grid().cell_count();
+    let factor = |most: usize| (1..).find(|k| count / (k * k) <= most).unwrap_or(1);
+    let mut factors = vec![factor(FIRST_CELLS), factor(MOST_CELLS)];
+    factors.dedup();
+    let last = factors.len() - 1;
+    for (step, factor) in factors.into_iter().enumerate() {
+        let start = Moment::now();
+        let coarse;
+        let system = match factor {
+            1 => whole,
+            _ => {
+                coarse = coarser(whole, factor)?;
+                &coarse
+            }
+        };
+        let contact = system.press(Load::Indentation(indentation), &run)?;
+        let shown = Shown {
+            approximate: step < last,
+            file_cells: [surface.grid().columns(), surface.grid().rows()],
+            relief_m: relief,
+            ..shown(system, &contact, start.elapsed().as_secs_f64(), &texts)?
+        };
+        worker.send(&SurfaceLine { surface: shown });
+    }
+    Ok(())
+}
+
+struct Texts {
+    toml: String,
+    command: String,
+}
+
+/// The same with the mean heights of squares of cells.
+fn coarser(system: &SurfaceSystem, factor: usize) -> Result<SurfaceSystem, Refusal> {
+    let surface = system.surface();
+    let grid = surface.grid();
+    let mean = |heights: &mut dyn Iterator<Item = f64>| {
+        let (count, sum) = heights.fold((0.0, 0.0), |(count, sum), height| {
+            (count + 1.0, sum + height)
+        });
+        sum / count
+    };
+    let (grid, heights) = blocks(grid, surface.heights(), factor, mean)?;
+    let wrong = |error: String| Refusal::impossible(error).at(Key::HeightMap.path());
+    let surface = HeightMap::new(grid, heights).map_err(|error| wrong(error.to_string()))?;
+    let coarse = SurfaceSystem::new(
+        system.indenter().clone(),
+        *system.substrate(),
+        surface,
+        system.boundary(),
+    );
+    let [substrate, lens] = system.layers();
+    let coarse = coarse
+        .and_then(|coarse| coarse.with_layers(substrate.copied(), lens.copied()))
+        .map_err(|error| wrong(error.to_string()))?;
+    Ok(match system.floor() {
+        Some(floor) => coarse.with_floor(floor),
+        None => coarse,
+    })
+}
+
+/// A value of each square of `factor` by `factor` cells; cells at the end that fill no square are left out.
+fn blocks(
+    grid: &Grid,
+    values: &[f64],
+    factor: usize,
+    of: impl Fn(&mut dyn Iterator<Item = f64>) -> f64,
+) -> Result<(Grid, Vec<f64>), Refusal> {
+    let [columns, rows] = [grid.columns(), grid.rows()].map(|count| (count / factor).max(1));
+    let [width, height] = grid.cell();
+    let cell = [factor as f64 * width, factor as f64 * height];
+    let blocks = Grid::new(columns, rows, cell, grid.origin())
+        .map_err(|error| Refusal::impossible(error.to_string()).at(Key::HeightMap.path()))?;
+    let ends = [grid.columns(), grid.rows()];
+    let mut found = Vec::with_capacity(columns * rows);
+    for row in 0..rows {
+        for column in 0..columns {
+            let within = |first: usize, end: usize| first * factor..((first + 1) * factor).min(end);
+            let mut inside = within(row, ends[1])
+                .flat_map(|row| {
+                    within(column, ends[0]).map(move |column| row * grid.columns() + column)
+                })
+                .map(|cell| values[cell]);
+            found.push(of(&mut inside));
+        }
+    }
+    Ok((blocks, found))
+}
+
+fn shown(
+    system: &SurfaceSystem,
+    contact: &SurfaceContact,
+    wall_time: f64,
+    texts: &Texts,
+) -> Result<Shown, Failure> {
+    let grid = &contact.grid;
+    let factor = grid.columns().max(grid.rows()).div_ceil(DRAWN);
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.fold(f64::NEG_INFINITY, f64::max);
+    let (drawn, heights) = blocks(grid, system.surface().heights(), factor, largest)?;
+    let (_, pressures) = blocks(grid, &contact.pressure, factor, largest)?;
+    let (low, high) = (system.surface().lowest(), system.surface().highest());
+    let most = contact.pressure.iter().copied().fold(0.0, f64::max);
+    let letter = |part: f64| {
+        // Below 26, and 0 for NaN.
+        let place = (SHADES * part).clamp(0.0, SHADES - 1.0) as u8;
+        char::from(b'a' + place)
+    };
+    let state = SurfaceState {
+        label: Text::from(""),
+        system,
+        contact,
+        floor_contact: None,
+    };
+    let section = state.section()?;
+    let answer = SurfaceAnswer {
+        system,
+        answer: contact,
+    };
+    Ok(Shown {
+        approximate: false,
+        file_cells: [grid.columns(), grid.rows()],
+        cells: [grid.columns(), grid.rows()],
+        relief_m: high - low,
+        indentation_m: contact.indentation,
+        summary: Record::of(&answer).object(),
+        wall_time_s: wall_time,
+        warnings: warnings(contact),
+        drawn: [drawn.columns(), drawn.rows()],
+        corner_m: drawn.origin(),
+        cell_m: drawn.cell(),
+        heights: heights
+            .iter()
+            .map(|height| letter((height - low) / (high - low)))
+            .collect(),
+        pressures: pressures
+            .iter()
+            .map(|pressure| match *pressure > 0.0 {
+                true => letter(pressure / most),
+                false => ' ',
+            })
+            .collect(),
+        largest_pressure_Pa: most,
+        section: section.into(),
+        toml: texts.toml.clone(),
+        command: texts.command.clone(),
+    })
+}
