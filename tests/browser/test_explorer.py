@@ -163,7 +163,7 @@ def test_the_controls_are_those_of_the_key_table(explore):
     """Labels, symbols, help, units, ranges and words are those of the program."""
     page = explore("#" + "&".join(paper(0.01)))
     start = page.page.evaluate("async () => (await fetch('start.json')).json()")
-    units = ["length", "pressure", "energy per area", "angle", "number", "fraction"]
+    units = ["length", "pressure", "energy per area", "angle", "time", "number", "fraction"]
     for key in start["keys"]:
         name = key["key"].replace(".", "-")
         control = page.page.locator(f"#{name}")
@@ -597,6 +597,43 @@ def test_nothing_else_gets_in(explore, browser, address):
     assert page.goto(root + "/").status == 403
     assert page.goto(root + "/" + "0" * 32 + "/").status == 403
     context.close()
+
+
+# The number of lines in charts below the first screen, and the critical force, at the first picture.
+AT_FIRST_PICTURE = """document.addEventListener("picture", () => {
+    globalThis.first = {
+        late: ["phase", "loading", "curve-force"].map((id) => document.querySelectorAll(`#${id} path`).length),
+        force: document.getElementById("force-value").textContent,
+    };
+}, { once: true });"""
+
+
+def test_the_first_picture_waits_for_nothing_below_it(explore):
+    """Map and numbers are drawn in a frame without the charts below, which follow."""
+    page = explore(before=lambda page: page.add_init_script(AT_FIRST_PICTURE))
+    first = page.page.evaluate("() => globalThis.first")
+    assert first["late"] == [0, 0, 0], first
+    assert first["force"] not in ("", "–")
+    page.until("['phase', 'loading', 'curve-force'].every((id) => document.querySelectorAll(`#${id} path`).length > 0)", 60)
+
+
+@pytest.mark.server
+def test_scripts_and_data_are_requested_at_once(explore):
+    """The document names every script that is loaded, and the initial data, so that none waits for another script."""
+    page = explore()
+    named = page.page.eval_on_selector_all(
+        "link[rel=modulepreload], link[rel=preload]", "(links) => links.map((link) => link.getAttribute('href'))"
+    )
+    entries = page.page.evaluate(
+        "() => performance.getEntriesByType('resource').map(({ name, initiatorType }) => [name.split('/').pop(), initiatorType])"
+    )
+    loaded = [name for name, _ in entries if name.endswith(".js") or name == "start.json"]
+    assert len(loaded) > 20
+    assert set(loaded) <= set(named), set(loaded) - set(named)
+    # Each is loaded once.
+    assert sorted(loaded) == sorted(set(loaded))
+    # A script that another one asks for has the kind `script`.
+    assert all(kind != "script" for name, kind in entries if name.endswith(".js") and name != "main.js"), entries
 
 
 def paper(surface_fraction):

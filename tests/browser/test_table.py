@@ -75,8 +75,6 @@ def test_heights_and_diameters_of_a_table_are_used(explore, tmp_path):
 @pytest.mark.parametrize(
     "name, text, words",
     [
-        ("heights.npy", "\x93NUMPY", "is a height map"),
-        ("heights.txt", "\n".join(["0.1 " * 20] * 20), "is a height map"),
         ("apart.csv", "x_um,y_um\n0,zero\n", "line 2"),
         ("apart.csv", "x_um,y_um\n0,0\n3,0\n", "overlaps"),
     ],

@@ -2,7 +2,7 @@
 
 import { byId } from "./screen.js";
 import { fileShown } from "./shown.js";
-import { knownCritical, tableOf } from "./store.js";
+import { isRelaxing, knownCritical, tableOf } from "./store.js";
 
 /**
  * @import { Engine, Texts } from "./engine.js"
@@ -27,7 +27,9 @@ export async function save(store, engine, name) {
     ...(known && { critical_indentation_m: known.critical_indentation_m }),
   };
   try {
-    const file = await engine.file({ case: question.case, load, file: name, ...tableOf(store.state, question.case) });
+    const { hold } = store.state.chosen;
+    const held = hold !== null && isRelaxing(question.case) ? { hold } : {};
+    const file = await engine.file({ case: question.case, load, ...held, file: name, ...tableOf(store.state, question.case) });
     if (file !== null) download(store, file, name);
   } catch (error) {
     store.notify("export", error instanceof Error ? error.message : String(error));

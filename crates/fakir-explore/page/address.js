@@ -30,7 +30,9 @@ export function fragment(chosen, pinned = null) {
   for (const [key, value] of Object.entries(chosen.case)) parameters.set(key, String(value));
   parameters.set("load", String(chosen.load));
   if (chosen.exaggeration !== null) parameters.set("exaggeration", String(chosen.exaggeration));
-  const { view } = chosen;
+  const { hold, time, view } = chosen;
+  if (hold !== null) parameters.set("hold", [hold.by, hold.load, hold.ramp_s, hold.hold_s].join(" "));
+  if (hold !== null && time !== null) parameters.set("time", String(time));
   if (view !== null) parameters.set("map", [view.zoom, view.x, view.y].join(" "));
   if (pinned !== null) parameters.set("compare", fragment(pinned).slice(1));
   return `#${parameters.toString()}`;
@@ -63,11 +65,17 @@ export function chosenIn(hash) {
   if (Object.keys(values).length === 0) return null;
   const factor = Number(parameters.get("exaggeration"));
   const [zoom = NaN, x = NaN, y = NaN] = (parameters.get("map") ?? "").split(" ").map(Number);
+  const [by = "", ...numbers] = (parameters.get("hold") ?? "").split(" ");
+  const [held = NaN, ramp_s = NaN, hold_s = NaN] = numbers.map(Number);
+  const isHold = (by === "force" || by === "indentation") && Number.isFinite(held + ramp_s + hold_s);
+  const time = Number(parameters.get("time") ?? NaN);
   const isView = zoom > 1 && Number.isFinite(zoom + x + y);
   return {
     case: values,
     load: Number(parameters.get("load") ?? 1),
     exaggeration: factor > 0 ? factor : null,
+    hold: isHold ? { by, load: held, ramp_s, hold_s } : null,
+    time: isHold && Number.isFinite(time) ? time : null,
     view: isView ? { zoom, x, y } : null,
   };
 }

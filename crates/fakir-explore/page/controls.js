@@ -67,7 +67,7 @@ export class Controls {
       title.textContent = titleOf(table);
       set.append(title);
       for (const key of this.#keys.filter((key) => key.table === table)) {
-        const widget = isField(key) ? this.#field(key) : isFlag(key) ? this.#flag(key) : this.#choice(key);
+        const widget = isField(key) ? (key.list ? this.#list(key) : this.#field(key)) : isFlag(key) ? this.#flag(key) : this.#choice(key);
         this.#widgets.set(key.key, widget);
         set.append(widget.box);
       }
@@ -190,6 +190,50 @@ export class Controls {
       }
       const words = engineeringText(value, field.dimension, 3).replace(/[{}]/g, "");
       slider.setAttribute("aria-valuetext", words);
+    };
+    return { box, note, show, inputs: [text, slider] };
+  }
+
+  /**
+   * A list of numbers. The slider sets the number of a list with one.
+   * @param {Field} field
+   * @returns {Widget}
+   */
+  #list(field) {
+    const { box, note, id, describedBy } = frame(field);
+    const text = document.createElement("input");
+    text.id = id;
+    text.type = "text";
+    text.spellcheck = false;
+    text.autocomplete = "off";
+    text.placeholder = "elastic";
+    text.setAttribute("aria-describedby", describedBy);
+    const slider = document.createElement("input");
+    slider.id = `${id}-slider`;
+    slider.type = "range";
+    slider.min = "0";
+    slider.max = String(STEPS);
+    slider.setAttribute("aria-label", `${field.label}, slider`);
+    slider.setAttribute("aria-describedby", describedBy);
+    /** @type {(value: Value) => string} */
+    const wordsOf = (value) => (typeof value === "number" ? editable(value, field.dimension) : value);
+    text.addEventListener("change", () => {
+      const unit = unitOf(editable(ends(field)[1], field.dimension));
+      const items = text.value.split(",").map((item) => withUnit(item.trim(), unit));
+      this.#changed(field.key, items.join(", "), true, performance.now());
+    });
+    slider.addEventListener("input", () => {
+      this.#changed(field.key, wordsOf(sliderValue(field, Number(slider.value))), false, performance.now());
+    });
+    box.append(text, slider, note);
+    /** @type {(value: Value, typed: boolean) => void} */
+    const show = (value, typed) => {
+      const words = wordsOf(value);
+      if (!typed) text.value = words;
+      const number = parse(words, field.dimension);
+      slider.hidden = words !== "" && number === null;
+      slider.value = sliderPlace(field, number ?? ends(field)[0]);
+      slider.setAttribute("aria-valuetext", words === "" ? text.placeholder : words);
     };
     return { box, note, show, inputs: [text, slider] };
   }

@@ -330,6 +330,36 @@
  */
 
 /**
+ * A load on viscoelastic bodies over time.
+ * @typedef {object} History
+ * @property {HistorySummary} summary
+ * @property {readonly number[]} loads The load of each state: of the elastic contact that covers the same area.
+ * @property {Texts} case
+ */
+
+/**
+ * @typedef {object} HistoryState
+ * @property {number} time_s
+ * @property {number} force_N
+ * @property {number} indentation_m
+ * @property {number | null} contact_radius_m
+ * @property {number | null} floor_share
+ */
+
+/**
+ * A history as the command `fakir hold` prints it.
+ * @typedef {object} HistorySummary
+ * @property {readonly HistoryState[]} states
+ * @property {HistoryState} end
+ * @property {number | null} time_to_floor_contact_s
+ * @property {number | null} time_to_equilibrium_s
+ * @property {number} instantaneous_modulus_ratio
+ * @property {{ force: number, indentation: number }} relative_error_estimate
+ * @property {readonly string[]} warnings
+ * @property {boolean} converged
+ */
+
+/**
  * @typedef {object} Texts
  * @property {string} toml
  * @property {string} command
@@ -361,6 +391,44 @@
  * @property {StationState} [station]
  * @property {Measured} [measured]
  * @property {Fitted} [fitted]
+ * @property {History} [history]
+ * @property {FileContents} [read]
+ * @property {SurfaceShown} [surface]
+ */
+
+/**
+ * What a file contains; of a table of pillars, whether it has heights and diameters.
+ * @typedef {{ kind: "heights" } | { kind: "curve" } | { kind: "pillars", height: boolean, diameter: boolean }} FileContents
+ */
+
+/**
+ * The contact of the lens with a height map.
+ * @typedef {object} SurfaceShown
+ * @property {boolean} approximate Whether the same follows on smaller cells.
+ * @property {readonly [number, number]} file_cells
+ * @property {readonly [number, number]} cells
+ * @property {number} relief_m Range of the heights.
+ * @property {number} indentation_m
+ * @property {SurfaceSummary} summary
+ * @property {number} wall_time_s
+ * @property {readonly string[]} warnings
+ * @property {readonly [number, number]} drawn Number of drawn cells along x and y.
+ * @property {Point} corner_m Lower left corner relative to the lens axis.
+ * @property {readonly [number, number]} cell_m
+ * @property {string} heights A letter for each cell, in rows from the smallest y on: `a` (lowest) to `z`.
+ * @property {string} pressures The same for pressures; a blank without contact.
+ * @property {number} largest_pressure_Pa
+ * @property {Section} section
+ * @property {string} toml
+ * @property {string} command
+ */
+
+/**
+ * The numbers that `fakir press` prints for a height map.
+ * @typedef {object} SurfaceSummary
+ * @property {number} force_N
+ * @property {number} contact_area_m2
+ * @property {{ force: number, contact_area: number | null } | null} relative_error_estimate
  */
 
 /**
@@ -406,6 +474,7 @@
  * @property {number | null} least Smallest accepted value, unless it depends on other keys.
  * @property {number | null} greatest Largest accepted value, unless it depends on other keys.
  * @property {readonly [number, number] | null} usual Range of usual values.
+ * @property {boolean} list Whether it takes a list of numbers.
  * @property {boolean} whole
  * @property {boolean} infinite Whether its default is infinite.
  * @property {readonly string[]} words The words that it accepts; empty if it takes a number.
@@ -434,12 +503,12 @@
 
 /**
  * Kinds of questions of which only the newest is answered.
- * @typedef {Kind | "export" | "fit"} Asked
+ * @typedef {Kind | "export" | "fit" | "hold" | "read" | "surface"} Asked
  */
 
 /**
  * Names of requests: with adhesion `cycle` replaces `contact`.
- * @typedef {Kind | "cycle" | "export" | "fit"} ApiPath
+ * @typedef {Kind | "cycle" | "export" | "fit" | "hold" | "read" | "surface"} ApiPath
  */
 
 /**

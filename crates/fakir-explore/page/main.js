@@ -5,6 +5,7 @@ import { chosenIn, fragment, pinnedIn } from "./address.js";
 import { compare, drawComparison, drawPinned } from "./compare.js";
 import { Controls } from "./controls.js";
 import { drawCurves, drawCurvesStatus, drawLoading, drawPhase } from "./diagrams.js";
+import { drawHistory, drawHold, overTime } from "./hold.js";
 import { lecture } from "./lecture.js";
 import { drawMeasured, measure } from "./measured.js";
 import { drawColourBar, drawFloorBar, drawFloorPullBar, drawMap, drawPullBar, wordsAt } from "./map.js";
@@ -28,9 +29,12 @@ import {
   refusedAt,
   isAdhesive,
   Store,
+  STRENGTHS,
+  TIMES,
   ADHESIVE_FLOOR,
   WORK,
 } from "./store.js";
+import { surfaces } from "./surface.js";
 import { tables } from "./table.js";
 import { onScheme } from "./theme.js";
 import { drawZoom, zoomable } from "./zoom.js";
@@ -48,10 +52,10 @@ import { drawZoom, zoomable } from "./zoom.js";
 const SUBSTRATES = { rigid: 1e9, intermediate: 2e6, soft: 2e3 };
 
 /**
- * Keys that the buttons of the paper's substrates do not change: spacing of pillars, floor contact, adhesion and
- * thicknesses.
+ * Keys that the buttons of the paper's substrates do not change: spacing of pillars, floor contact, adhesion,
+ * thicknesses and relaxation.
  */
-const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, ADHESIVE_FLOOR, "substrate.thickness", "lens.thickness"];
+const KEPT = [FRACTION, PITCH, FLOOR, WORK, RECEDING, ADHESIVE_FLOOR, "substrate.thickness", "lens.thickness", STRENGTHS, TIMES];
 
 /** A load set with the pointer snaps to the critical one within this distance. */
 const SNAP = 0.012;
@@ -189,7 +193,7 @@ function show(store) {
   const [section, phase] = [byId("section"), byId("phase")];
   const [loading, pull] = [byId("loading"), byId("pull")];
   screen.add((state) => [state.section, state.chosen.exaggeration], drawSection, [section]);
-  screen.add(
+  screen.addLate(
     (state) => [
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
@@ -197,7 +201,7 @@ function show(store) {
     drawPhase,
     [phase],
   );
-  screen.add(
+  screen.addLate(
     (state) => [
       ...[state.measured, state.contactPoint, state.pinned],
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
@@ -207,27 +211,36 @@ function show(store) {
     [loading, pull],
   );
   screen.add(
+    (state) => [state.chosen, state.history, state.critical, state.solved],
+    drawHold,
+  );
+  screen.addLate(
+    (state) => [state.chosen, state.history],
+    drawHistory,
+    ["force", "indentation", "radius", "share"].map((name) => byId(`hold-${name}`)),
+  );
+  screen.add(
     ({ pinned, pinning }) => [pinned, pinning],
     (state) => drawPinned(state, mapContents),
     [byId("pinned-map"), byId("pinned-section")],
   );
-  screen.add(
+  screen.addLate(
     (state) => [state.pinned, state.chosen, state.critical, state.solved, state.cycle, isOlder(state, state.solved, "load")],
     drawComparison,
   );
   const residuals = byId("residuals");
-  screen.add(
+  screen.addLate(
     (state) => [state.measured, state.contactPoint, state.dataWords, state.phase, state.cycle, state.answered, state.fitted],
     drawMeasured,
     [residuals],
   );
   const curves = ["force", "radius", "indentation"].map((name) => byId(`curve-${name}`));
-  screen.add((state) => [state.curves, state.critical], drawCurves, curves);
+  screen.addLate((state) => [state.curves, state.critical], drawCurves, curves);
   screen.add(
     ({ asking, answered, question }) => [asking.curves, answered, question.name],
     drawCurvesStatus,
   );
-  screen.add((state) => [state.texts, isOlder(state, state.texts, "load")], showTexts);
+  screen.addLate((state) => [state.texts, state.history, state.chosen.hold, isOlder(state, state.texts, "load")], showTexts);
 
   screen.age((state) => state.estimate ?? state.critical, "case", [byId("critical")]);
   const facts = [byId("regime"), byId("pillars")];
@@ -302,6 +315,15 @@ function showRefusal(state, controls) {
     : words;
 }
 
+/**
+ * The texts of the load over time, if there is one, or else of the load that is shown.
+ * @param {State} state
+ * @returns {Texts | null}
+ */
+function textsOf({ chosen, history, texts }) {
+  return (chosen.hold === null ? null : history?.is?.case) ?? texts?.is ?? null;
+}
+
 /** @param {State} state */
 function showTexts(state) {
   const older = isOlder(state, state.texts, "load");
@@ -310,7 +332,7 @@ function showTexts(state) {
     ["python", "python"],
     ["toml", "case-file"],
   ])) {
-    byId(id).textContent = state.texts?.is[name].trimEnd() ?? "";
+    byId(id).textContent = textsOf(state)?.[name].trimEnd() ?? "";
   }
   for (const button of buttons("copy")) button.disabled = older || state.texts === null;
 }
@@ -325,10 +347,12 @@ function listen(store, engine) {
   rememberInAddress(store);
   explainFocus(store.state.start.keys);
   lecture(store);
-  measure(store, engine);
+  const takeMap = surfaces(store, engine);
+  measure(store, engine, takeMap);
+  overTime(store, engine);
   zoomable(store, mapContents);
   compare(store);
-  tables(store);
+  tables(store, engine, takeMap);
   const slider = byId("load", HTMLInputElement);
   let pointing = false;
   slider.addEventListener("pointerdown", () => (pointing = true));
@@ -387,7 +411,7 @@ function listen(store, engine) {
   }
   for (const button of buttons("copy")) {
     const name = /** @type {keyof Texts} */ (button.dataset["copy"]);
-    button.addEventListener("click", () => void copy(store, name, store.state.texts?.is[name] ?? ""));
+    button.addEventListener("click", () => void copy(store, name, textsOf(store.state)?.[name] ?? ""));
   }
   const menu = byId("export-menu", HTMLDetailsElement);
   document.addEventListener("keydown", (event) => {
@@ -433,7 +457,7 @@ function rememberInAddress(store) {
   undo.addEventListener("click", () => history.back());
   redo.addEventListener("click", () => history.forward());
   byId("reset").addEventListener("click", () => {
-    store.choose({ case: store.state.start.case, load: 1, exaggeration: null, view: null }, performance.now());
+    store.choose({ case: store.state.start.case, load: 1, exaggeration: null, hold: null, time: null, view: null }, performance.now());
   });
   window.addEventListener("hashchange", () => {
     known = location.hash;
@@ -518,7 +542,7 @@ const engine = document.documentElement.dataset["engine"] === "module" ? new Mod
 const start = await engine.start();
 const linked = chosenIn(location.hash);
 const beside = linked && pinnedIn(location.hash);
-const first = beside ?? linked ?? { case: start.case, load: 1, exaggeration: null, view: null };
+const first = beside ?? linked ?? { case: start.case, load: 1, exaggeration: null, hold: null, time: null, view: null };
 const store = new Store(start, first, performance.now());
 if (beside !== null) store.pinWhenComplete(linked);
 show(store);

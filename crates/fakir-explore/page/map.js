@@ -5,7 +5,7 @@ import { centre, pillarsWithin, topRadius, touchesFloor } from "./scene.js";
 import { colour, letterSize, mixed, tint } from "./theme.js";
 
 /**
- * @import { FloorCells, Point } from "./engine.js"
+ * @import { FloorCells, Point, SurfaceShown } from "./engine.js"
  * @import { Scene } from "./scene.js"
  * @import { MapView } from "./store.js"
  * @import { Colours } from "./theme.js"
@@ -107,6 +107,42 @@ export function drawMap(canvas, contents, colours) {
   drawAxes(context, side, scale, middle, ratio);
   if (context !== own) own.drawImage(context.canvas, 0, 0);
   canvas.setAttribute("aria-label", contents.scene.words);
+}
+
+/**
+ * Draws a height map from above: heights from dark to light, and pressures in colours over them.
+ * @param {HTMLCanvasElement} canvas
+ * @param {SurfaceShown} surface
+ * @param {Colours} colours
+ */
+export function drawRelief(canvas, { drawn: [columns, rows], corner_m, cell_m, heights, pressures }, colours) {
+  const context = canvas.getContext("2d");
+  if (context === null) return;
+  const ratio = window.devicePixelRatio || 1;
+  const side = Math.round(canvas.clientWidth * ratio);
+  if (side === 0) return;
+  if (canvas.width !== side) canvas.width = canvas.height = side;
+  const [width, height] = [columns * cell_m[0], rows * cell_m[1]];
+  const scale = side / Math.max(width, height);
+  const image = new ImageData(columns, rows);
+  for (let k = 0; k < heights.length; k += 1) {
+    const pressure = pressures.charCodeAt(k) - PRESS;
+    const grey = 70 + (170 * (heights.charCodeAt(k) - PRESS)) / (SHADES - 1);
+    const entry = Math.round(((colours.length - 1) * pressure) / (SHADES - 1));
+    const [red, green, blue] = colours[entry] ?? [grey, grey, grey];
+    // The first row has the smallest y, and is the lowest on the screen.
+    const row = rows - 1 - Math.floor(k / columns);
+    image.data.set([red, green, blue, 255], 4 * (row * columns + (k % columns)));
+  }
+  const picture = new OffscreenCanvas(columns, rows);
+  picture.getContext("2d")?.putImageData(image, 0, 0);
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.fillStyle = tint("--floor");
+  context.fillRect(0, 0, side, side);
+  context.imageSmoothingEnabled = false;
+  const [right, down] = [(side - width * scale) / 2, (side - height * scale) / 2];
+  context.drawImage(picture, right, down, width * scale, height * scale);
+  drawAxes(context, side, scale, [corner_m[0] + width / 2, corner_m[1] + height / 2], ratio);
 }
 
 /**

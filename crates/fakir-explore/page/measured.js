@@ -5,13 +5,14 @@ import { Refused } from "./engine.js";
 import { engineeringText, significant, withPrefixes, write } from "./numbers.js";
 import { byId } from "./screen.js";
 import { isAdhesive, tableOf } from "./store.js";
-import { base64Of, isTable, refusedMap, takeTable } from "./table.js";
+import { base64Of, contentsOf, takeTable } from "./table.js";
 
 /**
  * @import { Place } from "./charts.js"
  * @import { Engine, Fitted, FittedValue, Measured } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
  * @import { State, Store } from "./store.js"
+ * @import { TakeMap } from "./table.js"
  */
 
 /** Largest file, bytes. */
@@ -21,11 +22,12 @@ const LARGEST = 8_000_000;
 const STEPS = 1000;
 
 /**
- * Connects the controls of the measured curve.
+ * Connects the controls of the measured curve. A height map that is dropped is given to `takeMap`.
  * @param {Store} store
  * @param {Engine} engine
+ * @param {TakeMap} takeMap
  */
-export function measure(store, engine) {
+export function measure(store, engine, takeMap) {
   /** The file as it was given; it is sent again for a fit. @type {{ name: string, base64: string } | null} */
   let curve = null;
   /** @param {File} file */
@@ -72,15 +74,14 @@ export function measure(store, engine) {
     if (fitted !== null) store.setData({ fitted: null });
   });
   /**
-   * Takes a file that was dropped: a table of pillars, or a curve.
+   * Takes a file that was dropped: a table of pillars, a height map, or a curve.
    * @param {File} file
    */
   const dropped = async (file) => {
-    const text = await file.slice(0, 100_000).text();
-    const words = refusedMap(file.name, text);
-    if (words !== null) store.setData({ dataWords: words });
-    else if (isTable(text)) await takeTable(store, file);
-    else await open(file);
+    const contents = await contentsOf(store, engine, file);
+    if (contents?.kind === "heights") takeMap(file.name, await base64Of(file));
+    else if (contents?.kind === "pillars") await takeTable(store, file, contents);
+    else if (contents !== null) await open(file);
   };
   const input = byId("curve-file", HTMLInputElement);
   byId("open-curve").addEventListener("click", () => input.click());

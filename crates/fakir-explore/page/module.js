@@ -61,8 +61,8 @@ export class Module {
   /** @type {Promise<Worker> | null} */
   #spare = null;
   #source = URL.createObjectURL(new Blob([contents("worker-source")], { type: "text/javascript" }));
-  /** @type {Record<"contact" | "background" | "export" | "fit", Place>} */
-  #places = { contact: place(), background: place(), export: place(), fit: place() };
+  /** @type {Record<"contact" | "background" | "export" | "fit" | "hold" | "surface", Place>} */
+  #places = { contact: place(), background: place(), export: place(), fit: place(), hold: place(), surface: place() };
   /** @type {Map<string, readonly Line[]>} */
   #known = new Map();
   #sequence = 0;
@@ -133,7 +133,8 @@ export class Module {
    * @returns {Place}
    */
   #placeOf(kind) {
-    return this.#places[kind === "curves" || kind === "phase" ? "background" : kind];
+    if (kind === "curves" || kind === "phase") return this.#places.background;
+    return this.#places[kind === "read" ? "fit" : kind];
   }
 
   /**

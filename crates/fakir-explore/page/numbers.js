@@ -1,7 +1,8 @@
 // Formats and parses numbers: units with prefixes, and as many digits as the error allows.
 
 /**
- * @typedef {"length" | "pressure" | "force" | "energy" | "energy per area" | "angle" | "fraction" | "number"}
+ * @typedef {"length" | "pressure" | "force" | "energy" | "energy per area" | "angle" | "time" | "fraction" |
+ *   "number"}
  *   Dimension
  */
 
@@ -44,12 +45,23 @@ const UNITS = {
     { symbol: "mJ/m²", power: -3 },
   ],
   angle: [{ symbol: "°", power: null }],
+  time: [
+    { symbol: "s", power: 0 },
+    { symbol: "ms", power: -3 },
+    { symbol: "µs", power: -6 },
+  ],
   // The server parses per cent and other input.
   fraction: [],
   number: [],
 };
 
 const DEGREE = Math.PI / 180;
+
+/**
+ * Units of time that are no powers of ten, s.
+ * @type {Readonly<Record<string, number>>}
+ */
+const LONG_TIMES = { min: 60, h: 3600, d: 86_400 };
 
 /**
  * A formatted number and its unit.
@@ -170,7 +182,7 @@ export function editable(value, dimension) {
   return `${Number(`${mantissa}e${Number(exponent) - unit.power}`)} ${unit.symbol}`;
 }
 
-const EXPONENT = /(-?\d+(?:\.\d+)?e-?\d+) (m|N|Pa|J)(?![\p{L}\d/^²])/gu;
+const EXPONENT = /(-?\d+(?:\.\d+)?e-?\d+) (m|N|Pa|J|s)(?![\p{L}\d/^²])/gu;
 
 /**
  * A message in which numbers with an exponent and an SI unit, such as `1.807e-5 m`, have a prefix instead.
@@ -232,6 +244,8 @@ function read(text, dimension) {
     if (symbol === "°" || symbol === "deg") return Number(`${digits}e${exponent}`) * DEGREE;
     return symbol === "rad" ? Number(`${digits}e${exponent}`) : null;
   }
+  const long = dimension === "time" ? LONG_TIMES[symbol] : undefined;
+  if (long !== undefined) return Number(`${digits}e${exponent}`) * long;
   const name = symbol
     .replace(/^[uμ]/, "µ")
     .replace(/\^?2$/, "²")

@@ -12,6 +12,7 @@ import { isOlder } from "./store.js";
  *   redrawn.
  * @property {readonly Element[]} elements Elements whose size it depends on.
  * @property {string} size The size of these elements when it was drawn.
+ * @property {boolean} isLate Whether it is left out of the first frame.
  */
 
 export class Screen {
@@ -25,6 +26,8 @@ export class Screen {
   /** @type {View[]} */
   #views = [];
   #frameAwaited = false;
+  /** Whether the first picture is on the screen, after which the late views are drawn. */
+  #isOpen = false;
   /**
    * Functions to be called once the screen shows what was drawn.
    * @type {(() => void)[]}
@@ -51,8 +54,28 @@ export class Screen {
    * @param {readonly Element[]} [elements]
    */
   add(parts, draw, elements = []) {
+    this.#add(parts, draw, elements, false);
+  }
+
+  /**
+   * As `add`, for what is below the first screen: it is drawn after the first picture is shown.
+   * @param {(state: State) => readonly unknown[]} parts
+   * @param {(state: State) => void} draw
+   * @param {readonly Element[]} [elements]
+   */
+  addLate(parts, draw, elements = []) {
+    this.#add(parts, draw, elements, true);
+  }
+
+  /**
+   * @param {(state: State) => readonly unknown[]} parts
+   * @param {(state: State) => void} draw
+   * @param {readonly Element[]} elements
+   * @param {boolean} isLate
+   */
+  #add(parts, draw, elements, isLate) {
     /** @type {View} */
-    const view = { parts, draw, drawn: null, elements, size: "" };
+    const view = { parts, draw, drawn: null, elements, size: "", isLate };
     this.#views.push(view);
     // It is also called for the first size, in which the view was drawn.
     const sizes = new ResizeObserver(() => {
@@ -109,16 +132,30 @@ export class Screen {
     this.#draw();
     this.#framed(this.#store.state);
     const afterwards = this.#afterwards;
-    if (afterwards.length === 0) return;
+    if (afterwards.length === 0) {
+      this.#open();
+      return;
+    }
     this.#afterwards = [];
     const channel = new MessageChannel();
-    channel.port1.onmessage = () => afterwards.forEach((act) => act());
+    channel.port1.onmessage = () => {
+      afterwards.forEach((act) => act());
+      this.#open();
+    };
     channel.port2.postMessage(null);
+  }
+
+  /** Draws the late views. */
+  #open() {
+    if (this.#isOpen) return;
+    this.#isOpen = true;
+    this.#changed();
   }
 
   #draw() {
     const state = this.#store.state;
     for (const view of this.#views) {
+      if (view.isLate && !this.#isOpen) continue;
       const parts = view.parts(state);
       if (view.drawn?.every((part, k) => part === parts[k])) continue;
       view.drawn = parts;

@@ -17,6 +17,7 @@ const UNITS = {
   force: " (N)",
   energy: " (J)",
   "energy per area": " (J/m^2)",
+  time: " (s)",
   angle: " (rad)",
   fraction: "",
   number: "",

@@ -7,7 +7,7 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
 
 /**
  * @import {
- *   Background, ContactState, CurvePoint, CurveStation, ExpectedCells, Fitted, Kind, Line, Measured, PathState, Point,
+ *   Background, ContactState, CurvePoint, CurveStation, ExpectedCells, Fitted, History, Kind, Line, Measured, PathState, Point,
  *   Progress, Refusal, Section, SolvedCycle, Start, StationState, Texts, TransitionSummary, Value, Values,
  * } from "./engine.js"
  * @import { Scene } from "./scene.js"
@@ -26,6 +26,14 @@ const DIAMETER = "pattern.pillar.diameter";
 export const WORK = "adhesion.work";
 export const RECEDING = "adhesion.work_receding";
 export const ADHESIVE_FLOOR = "adhesion.floor";
+export const STRENGTHS = "relaxation.strengths";
+export const TIMES = "relaxation.times";
+
+/**
+ * Strength and time of the first term of bodies that begin to relax.
+ * @type {Readonly<Record<string, string>>}
+ */
+const FIRST_TERM = { [STRENGTHS]: "1", [TIMES]: "10 s" };
 
 /** The load of the last release. With adhesion, loads from 1 to this value are those of unloading. */
 const LAST_RELEASE = 2;
@@ -37,7 +45,26 @@ const LAST_RELEASE = 2;
  * @property {number} load The load as a fraction of the way from first contact to the critical state. Above 1 it is
  *   beyond the critical state or, with adhesion, on unloading, with the last release at 2.
  * @property {number | null} exaggeration Exaggeration of heights in the section; null to fill the view.
+ * @property {Hold | null} hold The load that is held over time, on viscoelastic bodies; null to show contacts without time.
+ * @property {number | null} time The time that is shown, s; null if the load was chosen by itself.
  * @property {MapView | null} view The part of the map that is shown; null for the whole map.
+ */
+
+/**
+ * A load that is reached in a time and then held.
+ * @typedef {object} Hold
+ * @property {"indentation" | "force"} by
+ * @property {number} load Indentation, m, or force, N.
+ * @property {number} ramp_s
+ * @property {number} hold_s
+ */
+
+/**
+ * The load over time: the last history, and the name of the question that is being answered or was answered.
+ * @typedef {object} OverTime
+ * @property {string} name
+ * @property {History | null} is
+ * @property {string} words What is being done, or why there is no history.
  */
 
 /**
@@ -165,6 +192,7 @@ const LAST_RELEASE = 2;
  * @property {Table | null} table The table of pillars that the user has given.
  * @property {Fitted | null} fitted The fit of the measured curve.
  * @property {string} dataWords How reading or fitting of the curve went.
+ * @property {OverTime | null} history The load that is held over time.
  * @property {State | null} pinned The state of the case that stays beside the present one.
  * @property {{ then: Chosen | null } | null} pinning Whether the present case is to be pinned once it is complete, and what is chosen
  *   afterwards.
@@ -221,6 +249,7 @@ export class Store {
       fitted: null,
       dataWords: "",
       table: null,
+      history: null,
       pinned: null,
       pinning: null,
       announcement: "",
@@ -260,7 +289,9 @@ export class Store {
     const [previous, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
     // A load above 1 is beyond the critical state without adhesion, and on unloading with it.
     const load = within(turned && choice.load === undefined ? Math.min(1, previous) : previous, values, this.#state.start);
-    const chosen = { ...before, ...choice, load };
+    // A load that is chosen by itself belongs to no time.
+    const moved = choice.load !== undefined && choice.time === undefined;
+    const chosen = { ...before, ...choice, load, ...(moved && { time: null }) };
     if (choice.case === undefined && choice.load === undefined) {
       this.#change({ chosen });
       return;
@@ -305,8 +336,18 @@ export class Store {
     }
     // A floor whose contact is ignored is not adhesive.
     if (key === FLOOR && value === "false") delete values[ADHESIVE_FLOOR];
+    // A term has a strength and a time; without one of them the bodies are elastic.
+    for (const [one, other] of [[STRENGTHS, TIMES], [TIMES, STRENGTHS]]) {
+      if (key !== one || one === undefined || other === undefined) continue;
+      if (value === "") {
+        delete values[one];
+        delete values[other];
+      } else {
+        values[other] ??= FIRST_TERM[other] ?? "";
+      }
+    }
     const isInfinite = this.#state.start.keys.some((known) => known.key === key && known.infinite);
-    const isEmptied = value === "" && (key === WORK || key === RECEDING || isInfinite);
+    const isEmptied = value === "" && (key === STRENGTHS || key === TIMES || key === WORK || key === RECEDING || isInfinite);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }
@@ -361,6 +402,11 @@ export class Store {
   /** Removes the pinned case. */
   unpin() {
     this.#change({ pinning: null, pinned: null });
+  }
+
+  /** @param {OverTime | null} history */
+  setHistory(history) {
+    if (history !== this.#state.history) this.#change({ history });
   }
 
   /** @param {Table} table */
@@ -539,6 +585,15 @@ export function isAdhesive(values) {
 }
 
 /**
+ * Whether the bodies are viscoelastic.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function isRelaxing(values) {
+  return [STRENGTHS, TIMES].every((key) => (values[key] ?? "") !== "");
+}
+
+/**
  * Whether the floor is adhesive too.
  * @param {Values} values
  * @returns {boolean}
@@ -687,7 +742,7 @@ function newQuestion(number, chosen, asked, table) {
 
 /**
  * The part of a question that contains the table of pillars, if the case has one.
- * @param {State} state
+ * @param {Pick<State, "table">} state
  * @param {Values} values
  * @returns {{ table?: { name: string, base64: string } }}
  */

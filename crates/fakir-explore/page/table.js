@@ -1,94 +1,67 @@
 // A table of pillars that the user gives: their positions, and heights and diameters where they differ.
 
+import { Refused } from "./engine.js";
 import { byId } from "./screen.js";
 import { LATTICE, LISTED, PILLARS } from "./store.js";
 
 /**
- * @import { Values } from "./engine.js"
+ * @import { Engine, FileContents, Values } from "./engine.js"
  * @import { Store } from "./store.js"
  */
 
 /** Largest file, bytes: every request of the page contains it, a third longer, and the server accepts one megabyte. */
 const LARGEST = 700_000;
 
-/** Endings of the names of height maps that are no text. */
-const MAPS = /\.(npy|npz|tiff?|png|jpe?g|bmp|nc|h5|hdf5|sdf|plu|plux|gwy|spm|nid|al3d|x3p)$/i;
+/**
+ * Shows a height map with this name and these contents.
+ * @typedef {(name: string, base64: string) => void} TakeMap
+ */
 
-/** Headings of the columns of a table, in any unit: positions, and what may differ between pillars. */
-const COLUMNS = { x: /^x($|_|\s|\[|\()/i, y: /^y($|_|\s|\[|\()/i, height: /^(height|h$|h_)/i, diameter: /^(diam|d$|d_|area|radius)/i };
+/** Largest file of which the program is asked what it contains, bytes. */
+const LARGEST_READ = 8_000_000;
 
 /**
- * Headings of a table: the last line of text before the first line of numbers.
- * @param {string} text
- * @returns {readonly string[]}
+ * What a file contains, as the program reads it; null if it cannot be read, for which the reason is shown.
+ * @param {Store} store
+ * @param {Engine} engine
+ * @param {File} file
+ * @returns {Promise<FileContents | null>}
  */
-function headings(text) {
-  const lines = text.split(/\r?\n/, 200).filter((line) => line.trim() !== "");
-  const first = lines.findIndex((line) => cells(line).every((cell) => cell !== "" && Number.isFinite(Number(cell))));
-  for (const line of lines.slice(0, first).reverse()) {
-    const found = cells(line.replace(/^#\s*/, ""));
-    if (found.some((cell) => COLUMNS.x.test(cell))) return found;
+export async function contentsOf(store, engine, file) {
+  if (file.size > LARGEST_READ) {
+    store.setData({ dataWords: `${file.name} is larger than ${LARGEST_READ / 1e6} MB, the limit of the page` });
+    return null;
   }
-  return [];
-}
-
-/**
- * @param {string} line
- * @returns {string[]}
- */
-function cells(line) {
-  return line.split(/[,;\t]/).flatMap((cell) => (/[,;\t]/.test(line) ? [cell] : cell.trim().split(/\s+/))).map((cell) => cell.trim().replace(/^"|"$/g, ""));
-}
-
-/**
- * Whether a text is a table of pillars: it has columns x and y.
- * @param {string} text
- * @returns {boolean}
- */
-export function isTable(text) {
-  const names = headings(text);
-  return [COLUMNS.x, COLUMNS.y].every((column) => names.some((name) => column.test(name)));
-}
-
-/**
- * Why a file cannot be shown: height maps are computed by the commands. Null for other files.
- * @param {string} name
- * @param {string} text
- * @returns {string | null}
- */
-export function refusedMap(name, text) {
-  const rows = text.split(/\r?\n/, 12).filter((line) => line.trim() !== "" && !line.startsWith("#"));
-  const isMatrix = rows.length > 7 && rows.every((row) => cells(row).length > 7 && cells(row).every((cell) => Number.isFinite(Number(cell))));
-  if (!MAPS.test(name) && !isMatrix) return null;
-  return (
-    `${name} is a height map, which the page does not compute: give it to \`fakir press\` in a case with ` +
-    `[surface] and height_map = "${name}" (see "Which files can be read" in the manual)`
-  );
+  /** @type {FileContents | null} */
+  let contents = null;
+  try {
+    const given = { name: file.name, base64: await base64Of(file) };
+    await engine.ask("read", "read", { file: given }, (line) => (contents = line.read ?? contents));
+  } catch (error) {
+    store.setData({ dataWords: error instanceof Refused ? error.refusal.message : String(error) });
+  }
+  return contents;
 }
 
 /**
  * Shows the pillars of a table in place of those of a lattice.
  * @param {Store} store
  * @param {File} file
+ * @param {FileContents} contents
  */
-export async function takeTable(store, file) {
+export async function takeTable(store, file, contents) {
   if (file.size > LARGEST) {
     store.setData({ dataWords: `${file.name} is larger than ${LARGEST / 1e6} MB, the limit of the page` });
     return;
   }
-  const [text, base64] = [await file.text(), await base64Of(file)];
-  const words = refusedMap(file.name, text);
-  if (words !== null) {
-    store.setData({ dataWords: words });
-    return;
-  }
-  const names = headings(text);
+  const base64 = await base64Of(file);
+  // A column of the table replaces the value for all pillars.
+  const [height, diameter] = contents.kind === "pillars" ? [contents.height, contents.diameter] : [false, false];
   /** @type {Values} */
   const values = {};
   for (const [key, value] of Object.entries(store.state.chosen.case)) {
     const isOfPillar = key.startsWith("pattern.pillar.");
-    // A column of the table replaces the value for all pillars.
-    const isColumn = names.some((name) => (key.endsWith("height") && COLUMNS.height.test(name)) || (key.endsWith("diameter") && COLUMNS.diameter.test(name)));
+    const isColumn = (height && key.endsWith("height")) || (diameter && key.endsWith("diameter"));
     if (!key.startsWith("pattern.") || (isOfPillar && !isColumn)) values[key] = value;
   }
   values[LATTICE] = LISTED;
@@ -99,16 +72,24 @@ export async function takeTable(store, file) {
 }
 
 /**
- * Connects the button that opens a table.
+ * Connects the button that opens a table of pillars, or a height map, which is given to `takeMap`.
  * @param {Store} store
+ * @param {Engine} engine
+ * @param {TakeMap} takeMap
  */
-export function tables(store) {
+export function tables(store, engine, takeMap) {
+  /** @param {File} file */
+  const open = async (file) => {
+    const contents = await contentsOf(store, engine, file);
+    if (contents?.kind === "heights") takeMap(file.name, await base64Of(file));
+    else if (contents !== null) await takeTable(store, file, contents);
+  };
   const input = byId("table-file", HTMLInputElement);
   byId("open-table").addEventListener("click", () => input.click());
   input.addEventListener("change", () => {
     const file = input.files?.[0];
     input.value = "";
-    if (file !== undefined) void takeTable(store, file);
+    if (file !== undefined) void open(file);
   });
 }
 
