@@ -213,6 +213,15 @@ impl AsperityArray {
         self.floor
     }
 
+    /// Whether the floor carries load past the transition: there is one, without adhesion, under a lens that comes closest to it near its
+    /// axis.
+    #[must_use]
+    pub fn is_floor_loaded(&self) -> bool {
+        let lens = self.indenter.lens();
+        let has_axis = lens.is_some_and(|lens| !lens.is_flat() && lens.is_axisymmetric());
+        self.floor.is_some() && has_axis && self.adhesion.is_none()
+    }
+
     /// The interactions that do not change the normal contact.
     #[must_use]
     pub fn interactions(&self) -> &Interactions {

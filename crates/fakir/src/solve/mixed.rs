@@ -10,13 +10,14 @@ use super::control::{Target, share_of, slope_of_odds};
 use super::estimate::unknowns_only;
 use super::floor_start::FloorPressures;
 use super::newton::{Degrees, FLOOR_DEGREE, Newton, Purpose};
+use super::patches::Patches;
 use super::rules::floor::FloorCells;
 use super::spectral::{Solution, degrees, solve_punch, solve_spectral, untouched, wider_sites};
 use crate::halfspace::disc::nodes::Resolution;
 use crate::halfspace::floor::coupling::{FloorCoupling, PillarExtent};
 use crate::halfspace::floor::grid::{Division, FloorGrid};
 use crate::numerics::convergence::{clamped, larger};
-use crate::numerics::neighbours::{Nearest, Neighbours};
+use crate::numerics::neighbours::Neighbours;
 use crate::problem::Load;
 use crate::problem::pillar_field::PillarField;
 use crate::problem::scaled::{RISING, Scene};
@@ -94,27 +95,9 @@ fn last_two(levels: &[Level]) -> Option<[&Level; 2]> {
     Some([&levels[coarse], &levels[fine]])
 }
 
-/// Geometry of the set of floor cells in contact.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Patches {
-    /// Number of cells, and number of groups of cells that share sides.
-    pub(crate) cells: usize,
-    pub(crate) count: usize,
-    /// Total length of the sides between cells in contact and others.
-    pub(crate) perimeter: f64,
-    /// Distance of the farthest corner from the lens axis.
-    pub(crate) radius: f64,
-    /// Smallest distance from the rim of a pillar.
-    pub(crate) rim_distance: f64,
-}
-
 /// Minimum order of convergence in the cell size, and safety factor on the extrapolated difference of two grids.
 const ORDER: f64 = 2.0;
 const SAFETY: f64 = 3.0;
-
-/// Bias of the contact area of cells, and its uncertainty, as fractions of the border length times the cell size.
-const BORDER_BIAS: f64 = 0.025;
-const BORDER_ERROR: f64 = 0.05;
 
 /// Trust bounds for d(floor force)/d(force).
 const FLOOR_PART: [f64; 2] = [1.0, 30.0];
@@ -349,7 +332,7 @@ fn estimates(
     let part = clamped((contact.floor_stiffness() / stiffness).abs(), least, most);
     let changed = part_of * (share(fine) - share(coarse)).abs();
     let of_share = changed.max(part * error / fine.force) / share(fine);
-    let border = BORDER_ERROR * fine.division.cell_area().sqrt() * fine.patches.border();
+    let border = fine.patches.area_error(fine.division.cell_area());
     let of_area = (fine.area() - coarse.area()).abs() * part_of;
     let relative = [error / fine.force, error / (stiffness * fine.indentation)];
     Some((
@@ -364,16 +347,7 @@ fn estimates(
 impl Level {
     /// Contact area.
     fn area(&self) -> f64 {
-        let cell = self.division.cell_area();
-        let counted = self.patches.cells as f64 * cell;
-        counted - BORDER_BIAS * cell.sqrt() * self.patches.border()
-    }
-}
-
-impl Patches {
-    /// Length of the border; the sides of cells are longer by `4/pi` on average over all directions.
-    fn border(&self) -> f64 {
-        std::f64::consts::FRAC_PI_4 * self.perimeter
+        self.patches.area(self.division.cell_area())
     }
 }
 
@@ -841,77 +815,11 @@ fn pressures_of(newton: &Newton<'_>) -> Option<FloorPressures> {
 
 /// Geometry of the floor cells that carry pressure.
 pub(super) fn patches(cells: Option<&FloorCells<'_>>) -> Patches {
-    let mut patches = Patches {
-        rim_distance: f64::INFINITY,
-        ..Patches::default()
-    };
-    let Some(cells) = cells else {
-        return patches;
-    };
-    let grid = cells.grid.cells.grid();
-    let ([width, height], columns) = (grid.cell(), grid.columns());
-    let mut loaded = vec![false; grid.cell_count()];
-    for (index, own) in cells.grid.cells.indices().zip(cells.loaded()) {
-        loaded[index] = *own;
-    }
-    // Nothing is touched beyond the last column and row, because the window ends before them.
-    let neighbours = |index: usize| {
-        [
-            (index.wrapping_sub(1), height),
-            (index + 1, height),
-            (index.wrapping_sub(columns), width),
-            (index + columns, width),
-        ]
-    };
-    let mut seen = vec![false; loaded.len()];
-    let mut open = Vec::new();
-    let pillars = cells.grid.pillars.iter();
-    let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
-    let mut radius_squared: f64 = 0.0;
-    for index in 0..loaded.len() {
-        if !loaded[index] {
-            continue;
-        }
-        patches.cells += 1;
-        let mut on_border = false;
-        for (neighbour, side) in neighbours(index) {
-            if !loaded.get(neighbour).is_some_and(|loaded| *loaded) {
-                patches.perimeter += side;
-                on_border = true;
-            }
-        }
-        let [x, y] = grid.centre(index % columns, index / columns);
-        let distance = |point: Point| {
-            let nearest = pillars.nearest(point, Nearest::Edge, 0.0, None);
-            nearest.map_or(f64::INFINITY, |(_, distance)| distance)
-        };
-        // From a corner between four cells in contact, the next corner towards a pillar is closer to it.
-        let may_be_nearest =
-            on_border && distance([x, y]) - 0.6 * width.hypot(height) < patches.rim_distance;
-        for (u, v) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
-            let corner = [x + u * width, y + v * height];
-            radius_squared = radius_squared.max(corner[0] * corner[0] + corner[1] * corner[1]);
-            if may_be_nearest {
-                patches.rim_distance = patches.rim_distance.min(distance(corner));
-            }
-        }
-        if seen[index] {
-            continue;
-        }
-        patches.count += 1;
-        seen[index] = true;
-        open.push(index);
-        while let Some(place) = open.pop() {
-            for (neighbour, _) in neighbours(place) {
-                if loaded.get(neighbour).is_some_and(|loaded| *loaded) && !seen[neighbour] {
-                    seen[neighbour] = true;
-                    open.push(neighbour);
-                }
-            }
-        }
-    }
-    patches.radius = radius_squared.sqrt();
-    patches
+    cells.map_or_else(Patches::default, |cells| {
+        let pillars = cells.grid.pillars.iter();
+        let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
+        Patches::of(&cells.grid.cells, cells.loaded().iter().copied(), &pillars)
+    })
 }
 
 #[cfg(test)]

@@ -24,6 +24,7 @@ mod linearized;
 mod mixed;
 pub(crate) mod newton;
 mod outside;
+mod patches;
 pub(crate) mod path;
 mod reach;
 pub(crate) mod rules;

@@ -4,6 +4,7 @@ use super::checked::check_number;
 use super::contact::{PillarStatus, Termination, relative};
 use super::discs::Contacts;
 use super::error::SolveError;
+use super::floor_contact::FloorContact;
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
@@ -100,6 +101,8 @@ pub struct AsperityContact {
     /// The smallest gap between the lens and the [floor](crate::problem::AsperityArray::with_floor); `None` without a floor, under a plate or
     /// a cylinder, which come closest to it outside the pillars, and if it was not requested.
     pub floor_gap: Option<AsperityFloorGap>,
+    /// The floor contact; `None` if the floor is not touched, or its load is not computed.
+    pub floor: Option<FloorContact>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Number of Newton steps.

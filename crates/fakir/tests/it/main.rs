@@ -7,6 +7,7 @@ mod adhesive_asperities;
 mod arrangements;
 mod asperities;
 mod asperity_fields;
+mod asperity_floor;
 mod asperity_lenses;
 mod asperity_transition;
 mod common;

@@ -110,7 +110,7 @@ impl Bench {
     }
 
     /// Returns the contact with the reason for termination.
-    fn found(
+    pub(super) fn found(
         &self,
         equations: &mut Equations<'_>,
         found: Found,
@@ -271,6 +271,7 @@ impl Bench {
             },
             error: None,
             floor_gap: None,
+            floor: None,
             termination,
             iterations,
             contacts: Arc::new(contacts),
@@ -406,7 +407,11 @@ impl AsperityArray {
         }
         let bench = Bench::new(self);
         let target = bench.target(control)?;
-        let mut contact = self.solve(&bench, target, (accuracy, None), run)?;
+        let alone = self.solve(&bench, target, (accuracy, None), run);
+        if let Some(contact) = self.past_transition(&bench, target, &alone, (accuracy, run))? {
+            return contact.checked();
+        }
+        let mut contact = alone?;
         if contact.converged() {
             contact.error = if self.adhesion().work > 0.0 {
                 bench.errors_of(&contact, Aim::Load(target), run)?
@@ -418,6 +423,43 @@ impl AsperityArray {
             }
         }
         contact.checked()
+    }
+
+    /// The contact with tops and floor, from that with the tops alone; `None` if the floor carries no load, or if its load is not computed.
+    fn past_transition(
+        &self,
+        bench: &Bench,
+        target: Prescribed,
+        alone: &Result<AsperityContact, SolveError>,
+        (accuracy, run): (Accuracy, &Run<'_>),
+    ) -> Result<Option<AsperityContact>, SolveError> {
+        let Some(depth) = self.floor().filter(|_| self.is_floor_loaded()) else {
+            return Ok(None);
+        };
+        match alone {
+            Ok(alone) if alone.converged() => {
+                let floor = bench.floor_gap(alone, depth, run)?;
+                match floor.is_some_and(|floor| floor.gap < 0.0) {
+                    true => bench.with_floor(target, alone, depth, run),
+                    false => Ok(None),
+                }
+            }
+            Err(SolveError::Interrupted) => Ok(None),
+            // Contacts that would merge on the tops alone may not with a floor.
+            _ => {
+                let critical = self.transition(accuracy, run)?.contact;
+                let is_past = match target {
+                    Prescribed::Indentation(value) => {
+                        value * bench.units.length > critical.indentation
+                    }
+                    Prescribed::Force(force) => force * bench.units.force() > critical.force,
+                };
+                match is_past && critical.converged() {
+                    true => bench.with_floor(target, &critical, depth, run),
+                    false => Ok(None),
+                }
+            }
+        }
     }
 
     /// Computes the contact at a prescribed load without an error estimate. The iteration starts from the contact `near`, if given: one of

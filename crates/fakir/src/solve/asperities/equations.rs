@@ -4,16 +4,19 @@
 //! the [edges](super::edge). `S = lambda/r`; the column adds `2 pi K` to the mean.
 
 use super::edge::Edge;
-use super::load::{DiscLoad, Layout, LoadRule};
+use super::load::{DiscLoad, FloorForces, Jet, Layout, LoadRule};
 use crate::halfspace::coupling::moving::{MovingPair, PairBlock};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue};
 use crate::numerics::dense::Matrix;
-use crate::state::discs::Contacts;
+use crate::problem::Point;
+use crate::state::discs::{Contacts, Disc};
 use std::f64::consts::PI;
 
 /// Data of the equations, for one degree of the pressure.
 pub(crate) struct Equations<'a> {
     pub(crate) layout: &'a Layout,
+    /// Forces on the floor between the tops.
+    pub(crate) floor: FloorForces,
     pub(crate) edge: Edge,
     pub(crate) pair: MovingPair,
     pub(crate) rule: LoadRule,
@@ -42,6 +45,7 @@ impl<'a> Equations<'a> {
             eigenvalues: eigenvalues.collect(),
             rule: LoadRule::new(degree),
             grip: layout.grip,
+            floor: FloorForces::default(),
             pair,
         }
     }
@@ -73,6 +77,17 @@ impl<'a> Equations<'a> {
         self.layout.asperities[asperity]
             .rim_radius
             .unwrap_or(f64::INFINITY)
+    }
+
+    /// Overlap of an asperity with the indenter at zero indentation, less the displacement due to forces on the floor.
+    pub(crate) fn overlap(&self, asperity: usize, point: Point) -> Jet {
+        self.layout.overlap_with(&self.floor, asperity, point)
+    }
+
+    /// The load of this overlap on a disc.
+    pub(crate) fn fill_load(&self, disc: &Disc, load: &mut DiscLoad) {
+        let overlap = |point| self.overlap(disc.asperity, point);
+        self.rule.fill(overlap, (disc.centre, disc.radius), load);
     }
 
     fn own_compliance(&self, contacts: &Contacts, disc: usize, mode: usize) -> f64 {
@@ -108,12 +123,7 @@ impl<'a> Equations<'a> {
         let mut own = vec![[0.0; 3]; count * size];
         let mut load = self.rule.workspace();
         for (number, disc) in contacts.discs.iter().enumerate() {
-            self.rule.fill(
-                self.layout,
-                disc.asperity,
-                (disc.centre, disc.radius),
-                &mut load,
-            );
+            self.fill_load(disc, &mut load);
             self.add_own(contacts, number, &load, &mut missing, &mut own);
         }
         let mut block = self.pair.workspace();

@@ -924,8 +924,8 @@ impl Equations<'_> {
         let parts = discs
             .zip(contacts.moments.chunks_exact(size))
             .map(|(disc, moments)| {
-                let geometry = (disc.centre, disc.radius);
-                rule.fill(self.layout, disc.asperity, geometry, &mut load);
+                let overlap = |point| self.overlap(disc.asperity, point);
+                rule.fill(overlap, (disc.centre, disc.radius), &mut load);
                 load.value[0] += UNIT_FORCE * contacts.indentation;
                 // The work of adhesion is pi grip^2/2 in units of the modulus.
                 let area = PI * disc.radius * disc.radius;

@@ -120,6 +120,13 @@ impl Layout {
         overlap(&self.asperities[asperity], &self.shape, point)
     }
 
+    /// The same if forces on the floor displace the surface.
+    pub(crate) fn overlap_with(&self, floor: &FloorForces, asperity: usize, point: Point) -> Jet {
+        let mut jet = self.overlap(asperity, point);
+        floor.subtract(point, &mut jet);
+        jet
+    }
+
     /// Indentation at which the first asperity is touched.
     pub(crate) fn first_touch(&self) -> f64 {
         let heights = self.summits.iter().map(|summit| -summit.height);
@@ -170,6 +177,42 @@ pub(crate) fn to_summit(jet: &Jet) -> Point {
     ]
 }
 
+/// Forces on cells of the floor, as point forces at the centres of the cells: they displace the surface under the tops.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct FloorForces {
+    /// Position and force of every cell in contact; the force is divided by pi, in units of the modulus.
+    forces: Vec<(Point, f64)>,
+}
+
+impl FloorForces {
+    pub(crate) fn new(forces: impl Iterator<Item = (Point, f64)>) -> Self {
+        let scaled = forces.map(|(at, force)| (at, force / std::f64::consts::PI));
+        Self {
+            forces: scaled.collect(),
+        }
+    }
+
+    /// Subtracts their displacement from an overlap.
+    fn subtract(&self, [x, y]: Point, overlap: &mut Jet) {
+        let (mut value, mut slope, mut bend) = (0.0, [0.0; 2], [0.0; 3]);
+        for ([u, v], force) in &self.forces {
+            let (dx, dy) = (x - u, y - v);
+            let square = (dx * dx + dy * dy).recip();
+            let own = force * square.sqrt();
+            let [first, second] = [own * square, 3.0 * own * square * square];
+            value += own;
+            slope[0] += first * dx;
+            slope[1] += first * dy;
+            bend[0] += second * dx * dx - first;
+            bend[1] += second * dx * dy;
+            bend[2] += second * dy * dy - first;
+        }
+        overlap.value -= value;
+        overlap.slope = [0, 1].map(|k| overlap.slope[k] + slope[k]);
+        overlap.bend = [0, 1, 2].map(|k| overlap.bend[k] - bend[k]);
+    }
+}
+
 /// Projects the overlap over a disc onto the pressure modes.
 #[derive(Debug, Clone)]
 pub(crate) struct LoadRule {
@@ -212,24 +255,24 @@ impl LoadRule {
         }
     }
 
+    /// Projects an overlap over a disc.
     pub(crate) fn fill(
         &self,
-        layout: &Layout,
-        asperity: usize,
+        overlap: impl Fn(Point) -> Jet,
         (centre, radius): (Point, f64),
         load: &mut DiscLoad,
     ) {
         load.value.fill(0.0);
         load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
         // The overlap at the centre is treated separately, so that the remainder is of the order of the contact size.
-        let middle = layout.overlap(asperity, centre).value;
+        let middle = overlap(centre).value;
         for (point, row) in self
             .points
             .iter()
             .zip(self.weights.chunks_exact(self.modes))
         {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-            let jet = layout.overlap(asperity, at);
+            let jet = overlap(at);
             let [x, y] = jet.slope;
             let parts = [jet.value - middle, x, y, x * point[0] + y * point[1]];
             let [along_x, along_y, outwards] = &mut load.slopes;

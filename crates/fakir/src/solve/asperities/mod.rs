@@ -12,6 +12,7 @@ pub(crate) mod edge;
 pub(crate) mod equations;
 pub(crate) mod follow;
 pub(crate) mod load;
+mod mixed;
 pub(crate) mod newton;
 pub(crate) mod start;
 mod transition;

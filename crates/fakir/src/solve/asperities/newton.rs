@@ -100,6 +100,14 @@ impl Equations<'_> {
         UNIT_FORCE * means.sum::<f64>()
     }
 
+    /// Force on an asperity.
+    pub(crate) fn force_on(&self, contacts: &Contacts, asperity: usize) -> f64 {
+        let discs = contacts.discs.iter();
+        let means = discs.zip(contacts.moments.iter().step_by(self.modes()));
+        let own = means.filter(|(disc, _)| disc.asperity == asperity);
+        UNIT_FORCE * own.map(|(_, mean)| mean).sum::<f64>()
+    }
+
     /// Contacts with the radii given by point forces.
     pub(crate) fn contacts_of(&self, start: &PointForces) -> Contacts {
         let layout = self.layout;
@@ -140,9 +148,8 @@ impl Equations<'_> {
         };
         self.constrain_at_rim(&mut disc);
         let mut load = self.rule.workspace();
-        let geometry = (disc.centre, disc.radius);
-        self.rule.fill(self.layout, asperity, geometry, &mut load);
-        load.value[0] += UNIT_FORCE * (pressed - self.layout.overlap(asperity, place).value);
+        self.fill_load(&disc, &mut load);
+        load.value[0] += UNIT_FORCE * (pressed - self.overlap(asperity, place).value);
         let mut moments: Vec<f64> = load
             .value
             .iter()
@@ -599,7 +606,7 @@ impl Equations<'_> {
     ) -> Feeling {
         let size = self.modes();
         let place = contacts.nearest[asperity];
-        let mut jet = self.layout.overlap(asperity, place);
+        let mut jet = self.overlap(asperity, place);
         jet.value += contacts.indentation;
         let discs = contacts.discs.iter();
         for (disc, moments) in discs.zip(contacts.moments.chunks_exact(size)) {

@@ -79,6 +79,38 @@ fn radius_at_floor(asperity: &Asperity, depth: f64) -> f64 {
         .map_or(paraboloid, |rim| rim.min(paraboloid))
 }
 
+/// Centres and radii of the pillars at the level of the floor, a depth below the reference level.
+pub(super) fn bodies(bench: &Bench, depth: f64) -> Vec<(Point, f64)> {
+    let asperities = bench.layout.asperities.iter();
+    asperities
+        .map(|asperity| (asperity.apex, radius_at_floor(asperity, depth)))
+        .filter(|(_, radius)| *radius > 0.0)
+        .collect()
+}
+
+/// The pressures on all tops, which displace the floor; lengths in units of `unit`.
+pub(super) fn loaded_tops<'a>(
+    contacts: &Contacts,
+    exterior: &'a Exterior,
+    unit: f64,
+    run: &'a Run<'a>,
+) -> LoadedDiscs<'a> {
+    let (discs, modes) = (&contacts.discs, exterior.count());
+    let coefficient = |disc: usize, mode: usize| {
+        contacts.moments[disc * modes + mode] / discs[disc].radius.powi(2)
+    };
+    LoadedDiscs {
+        exterior,
+        discs: Discs::new(
+            [discs.len(), modes],
+            |disc| discs[disc].centre.map(|x| x / unit),
+            |disc| discs[disc].radius / unit,
+            [None, Some(&coefficient)],
+        ),
+        run,
+    }
+}
+
 impl Floor {
     /// The floor at a depth in units of the contacts; `None` without a lens that comes closest to it near its axis, or without a pillar above
     /// it.
@@ -87,11 +119,7 @@ impl Floor {
         if lens.is_flat() || !lens.is_axisymmetric() {
             return None;
         }
-        let asperities = bench.layout.asperities.iter();
-        let bodies: Vec<(Point, f64)> = asperities
-            .map(|asperity| (asperity.apex, radius_at_floor(asperity, depth)))
-            .filter(|(_, radius)| *radius > 0.0)
-            .collect();
+        let bodies = bodies(bench, depth);
         let unit = bodies.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
         let scaled = bodies.iter();
         let scaled = scaled.map(|([x, y], radius)| ([x / unit, y / unit], radius / unit));
@@ -123,21 +151,9 @@ impl Floor {
         degree: usize,
         run: &Run<'_>,
     ) -> Result<FloorPoint, SolveError> {
-        let (unit, modes) = (self.unit, mode_count(degree));
-        let discs = &contacts.discs;
-        let coefficient = |disc: usize, mode: usize| {
-            contacts.moments[disc * modes + mode] / discs[disc].radius.powi(2)
-        };
-        let loaded = LoadedDiscs {
-            exterior: &Exterior::new(degree),
-            discs: Discs::new(
-                [discs.len(), modes],
-                |disc| discs[disc].centre.map(|x| x / unit),
-                |disc| discs[disc].radius / unit,
-                [None, Some(&coefficient)],
-            ),
-            run,
-        };
+        let unit = self.unit;
+        let exterior = Exterior::new(degree);
+        let loaded = loaded_tops(contacts, &exterior, unit, run);
         let around = Surroundings::of_sites(&self.sites, self.spacing, contacts.reach() / unit);
         let uncovered = Uncovered {
             lens: self.lens.clone(),

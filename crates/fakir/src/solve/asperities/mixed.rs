@@ -1,0 +1,782 @@
+//! Rounded tops and the floor between them in contact at the same time.
+//!
+//! The pressures on the floor are constant on square cells outside the pillars, those on the tops are discs as before. The two act on each
+//! other through the half-space. At a fixed indentation both minimise one convex energy; they are solved in turn: the floor with the
+//! displacement due to the tops as a gap, by conjugate gradients with bounds ([`solver`]), and the tops with the displacement due to the
+//! floor, by [Newton's method](super::newton). The displacement of the floor by the tops is the fixed point of this sequence, which is
+//! accelerated with the method of D. G. Anderson (J. ACM 12, 547 (1965)). A prescribed force is reached by secants.
+//!
+//! A cell acts on the tops as a point force at its centre, where the displacement due to the tops is evaluated: the interaction is symmetric,
+//! so that the force is the derivative of the energy.
+//!
+//! Floor that the lens penetrates if only the tops carry load contains the contact: pressures elsewhere only lower the surface, so that the
+//! solution with more obstacles is nowhere above that with fewer. These are the cells of a grid.
+//!
+//! # Error estimate
+//!
+//! The contact is solved on three grids, the last with half the cell size of the one before. The difference of the last two, and that of a
+//! pressure on the tops of higher degree on the coarser one, estimate the error.
+
+use super::answer::{Bench, DEGREES, degree, with_modes};
+use super::climb::Found;
+use super::equations::Equations;
+use super::load::FloorForces;
+use super::newton::Settled;
+use super::transition::{bodies, loaded_tops};
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::elements::half_space::HalfSpace;
+use crate::halfspace::elements::{FreeSpaceConvolution, Preconditioned};
+use crate::numerics::convergence::{larger, largest, smaller};
+use crate::numerics::dense::{Lu, Matrix};
+use crate::numerics::neighbours::{Nearest, Neighbours};
+use crate::numerics::vector::{add_scaled, dot};
+use crate::problem::load::Prescribed;
+use crate::problem::{Accuracy, Boundary, Cells, Grid, ShapedLens};
+use crate::solve::elements::solver::{self, Settings};
+use crate::solve::floor::FloorDisplacement;
+use crate::solve::patches::Patches;
+use crate::state::asperity_contact::{
+    AsperityContact, AsperityErrors, AsperityFloorGap, AsperitySlopes,
+};
+use crate::state::discs::Contacts;
+use crate::state::{FloorContact, FloorErrors, Progress, Run, SolveError, Stage, Termination};
+use std::f64::consts::PI;
+
+/// Number of cells that the lens penetrates on the finest grid, in all and per pillar among them, and largest number of cells of the disc
+/// that encloses them.
+const CELLS: [f64; 2] = [3000.0, 9000.0];
+const CELLS_PER_PILLAR: f64 = 60.0;
+const MOST_POINTS: [f64; 2] = [1.0e5, 4.0e5];
+
+/// Number of cells across that disc on the first grid, on which the penetrated part is found, and the smallest number of penetrated cells.
+const FIRST_ACROSS: f64 = 80.0;
+const FEWEST: usize = 24;
+
+/// Smallest ratio of the cell sizes of the first two grids.
+const REFINED: f64 = 1.5;
+
+/// Part of the distance past the floor by which the indentation may exceed that of the coarser grid.
+const BEYOND: f64 = 0.05;
+
+/// Penetration, relative to the depth of the floor, up to which cells above the lens are included: far above rounding.
+const NEAR: f64 = 1e-6;
+
+/// Bound of the energy error of the floor, relative to its energy.
+const FLOOR_TOLERANCE: f64 = 1e-12;
+
+/// Change of the displacement of the floor by the tops at which the alternation ends, relative to the depth of the floor, and largest number
+/// of turns.
+const SUNK_TOLERANCE: f64 = 1e-8;
+const TURNS: usize = 100;
+
+/// Number of turns from which the next one is extrapolated.
+const REMEMBERED: usize = 6;
+
+/// Part of the diagonal that is added to the equations of an extrapolation.
+const RIDGE: f64 = 1e-14;
+
+/// Relative difference from a prescribed force, and largest number of secants.
+const FORCE_TOLERANCE: f64 = 1e-8;
+const SECANTS: usize = 30;
+
+/// Step of the differences for derivatives, relative to the indentation past first contact.
+const SLOPE_STEP: f64 = 1e-3;
+
+/// Factor on the difference of two grids: forces converge about in proportion to the square of the cell size, irregularly at the edges of
+/// contacts.
+const SAFETY: f64 = 1.5;
+
+/// Memory of a solution per cell, besides the operator, bytes.
+const BYTES_PER_CELL: usize = 300;
+
+/// The floor among tops. Lengths are in units of the contacts.
+struct Ground<'a> {
+    bench: &'a Bench,
+    lens: &'a ShapedLens,
+    pillars: Neighbours,
+    depth: f64,
+    accuracy: Accuracy,
+    run: &'a Run<'a>,
+}
+
+/// The cells of a grid that the lens penetrates if the tops alone carry load.
+struct Mesh<'a> {
+    cells: Cells,
+    /// Depth of the floor below the undeformed lens at zero indentation.
+    separation: Vec<f64>,
+    operator: Preconditioned<'a, HalfSpace<'a>, f32>,
+    /// Largest indentation for which these cells contain the contact.
+    bound: f64,
+}
+
+/// Pressures on tops and floor.
+#[derive(Clone)]
+struct Pressed {
+    contacts: Contacts,
+    /// Pressure on every cell.
+    pressure: Vec<f64>,
+    /// Displacement of every cell by the tops.
+    sunk: Vec<f64>,
+    force_on_tops: f64,
+    force_on_floor: f64,
+    /// Duality gap of the floor.
+    energy_bound: f64,
+    termination: Termination,
+    steps: usize,
+}
+
+impl Pressed {
+    fn force(&self) -> f64 {
+        self.force_on_tops + self.force_on_floor
+    }
+
+    /// Area of the contacts with the tops.
+    fn area(&self) -> f64 {
+        let discs = self.contacts.discs.iter();
+        PI * discs.map(|disc| disc.radius * disc.radius).sum::<f64>()
+    }
+
+    fn share(&self) -> f64 {
+        self.force_on_floor / self.force()
+    }
+}
+
+/// The sequence of displacements and of their changes in a turn, extrapolated to the fixed point.
+#[derive(Default)]
+struct Extrapolation {
+    past: Vec<[Vec<f64>; 2]>,
+}
+
+impl Extrapolation {
+    /// The next displacement, from the last one and its change.
+    fn next(&mut self, at: &[f64], change: Vec<f64>) -> Vec<f64> {
+        let mut next: Vec<f64> = at.iter().zip(&change).map(|(x, r)| x + r).collect();
+        let count = self.past.len();
+        let differences: Vec<[Vec<f64>; 2]> = (self.past.iter())
+            .map(|[x, r]| {
+                let minus = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                    a.iter().zip(b).map(|(a, b)| a - b).collect()
+                };
+                [minus(at, x), minus(&change, r)]
+            })
+            .collect();
+        if count > 0 {
+            let gram = Matrix::from_fn(count, count, |i, j| {
+                let product = dot(&differences[i][1], &differences[j][1]);
+                let ridge = if i == j { 1.0 + RIDGE } else { 1.0 };
+                product * ridge
+            });
+            let mut parts: Vec<f64> = (differences.iter())
+                .map(|[_, r]| dot(r, &change))
+                .collect();
+            Lu::new(gram).solve(&mut parts);
+            if parts.iter().all(|part| part.is_finite()) {
+                for ([x, r], part) in differences.iter().zip(&parts) {
+                    add_scaled(&mut next, -part, x);
+                    add_scaled(&mut next, -part, r);
+                }
+            }
+        }
+        self.past.push([at.to_vec(), change]);
+        if self.past.len() > REMEMBERED {
+            self.past.remove(0);
+        }
+        next
+    }
+}
+
+impl<'a> Ground<'a> {
+    fn index(&self) -> usize {
+        usize::from(self.accuracy == Accuracy::Accurate)
+    }
+
+    fn equations(&self) -> Equations<'a> {
+        Equations::new(&self.bench.layout, degree(self.accuracy))
+    }
+
+    /// The contacts if the floor carries no load. If there is no solution, those at a lower indentation: they lower the floor less, so that
+    /// the lens penetrates all of its part that it would otherwise.
+    fn tops_alone(&self, indentation: f64, near: &Contacts) -> Result<Contacts, SolveError> {
+        let target = Prescribed::Indentation(indentation);
+        let found = self.equations().find(target, Some(near), self.run)?;
+        Ok(match found {
+            Found::Settled(settled) => settled.contacts,
+            Found::Merging(_, contacts) | Found::Lost(_, contacts) => contacts,
+        })
+    }
+
+    /// Radius beyond which the undeformed lens is above the floor.
+    fn reach(&self, indentation: f64) -> f64 {
+        let reach = self.lens.distance_of_rise(indentation - self.depth);
+        reach.unwrap_or(self.lens.widest())
+    }
+
+    /// Cells with a side that are penetrated at an indentation by a lens on these contacts.
+    fn penetrated(
+        &self,
+        contacts: &Contacts,
+        indentation: f64,
+        side: f64,
+    ) -> Result<Cells, SolveError> {
+        let reach = self.reach(indentation);
+        // None of the cells are at the border.
+        let across = 2 * ((reach / side).ceil() as usize + 1);
+        let grid = Grid::centred(across, across, side);
+        let grid = grid.map_err(|_| SolveError::NotFinite {
+            what: "cell of the floor",
+        })?;
+        let exterior = Exterior::new(degree(self.accuracy));
+        let tops = loaded_tops(contacts, &exterior, 1.0, self.run);
+        let is_penetrated = |_: &mut (), index: usize| {
+            let [x, y] = grid.centre(index % across, index / across);
+            let above = self.depth + self.lens.sag_with_brim([x, y]) - indentation;
+            let near = NEAR * self.depth;
+            if x.hypot(y) >= reach || above > near {
+                return false;
+            }
+            let nearest = (self.pillars).nearest([x, y], Nearest::Edge, 0.0, None);
+            nearest.is_none_or(|(_, distance)| distance > 0.0)
+                && above + tops.value([x, y])[1] <= near
+        };
+        let workers = self.run.workers();
+        let is_in = workers.map(grid.cell_count(), 256, || (), is_penetrated);
+        self.run.check_cancelled()?;
+        Ok(Cells::where_true(&grid, |index| is_in[index]))
+    }
+
+    /// Side of cells of which the lens penetrates this part of the final number.
+    fn side_for(
+        &self,
+        contacts: &Contacts,
+        indentation: f64,
+        part: f64,
+    ) -> Result<f64, SolveError> {
+        let reach = self.reach(indentation);
+        let most = MOST_POINTS[self.index()];
+        let smallest = reach * (PI / most).sqrt();
+        let mut side = larger(2.0 * reach / FIRST_ACROSS, smallest);
+        let count = loop {
+            let count = self.penetrated(contacts, indentation, side)?.len();
+            if count >= FEWEST || side <= smallest {
+                break count;
+            }
+            side = larger(0.25 * side, smallest);
+        };
+        let pillars = self.pillars.within([0.0; 2], reach).len() as f64;
+        let wanted = part * larger(CELLS[self.index()], CELLS_PER_PILLAR * pillars);
+        Ok(larger(side * (count as f64 / wanted).sqrt(), smallest))
+    }
+
+    fn mesh(
+        &self,
+        contacts: &Contacts,
+        bound: f64,
+        side: f64,
+    ) -> Result<Option<Mesh<'a>>, SolveError> {
+        let cells = self.penetrated(contacts, bound, side)?;
+        if cells.is_empty() {
+            return Ok(None);
+        }
+        let bytes = FreeSpaceConvolution::memory_estimate(&cells, 1) + BYTES_PER_CELL * cells.len();
+        let limit = self.run.memory_limit();
+        if bytes > limit {
+            let length = self.bench.units.length;
+            return Err(SolveError::TooManyCells {
+                cells: cells.len(),
+                bytes,
+                limit,
+                cell: side * length,
+                suggested_cell: side * length * (bytes as f64 / limit as f64).sqrt(),
+            });
+        }
+        let separation = cells
+            .centres()
+            .map(|at| self.depth + self.lens.sag_with_brim(at));
+        let pool = self.run.pool;
+        let half_space = HalfSpace::new(Boundary::FreeSpace, cells.clone(), 1.0, &[], pool);
+        Ok(Some(Mesh {
+            separation: separation.collect(),
+            operator: half_space.preconditioned(cells.clone(), pool),
+            cells,
+            bound,
+        }))
+    }
+
+    /// The displacement of the cells by the tops.
+    fn sunk(&self, equations: &Equations<'_>, mesh: &Mesh<'_>, contacts: &Contacts) -> Vec<f64> {
+        let exterior = Exterior::new(equations.degree());
+        let tops = loaded_tops(contacts, &exterior, 1.0, self.run);
+        let centres: Vec<_> = mesh.cells.centres().collect();
+        let workers = self.run.workers();
+        let value = |(): &mut (), cell: usize| tops.value(centres[cell])[1];
+        workers.map(centres.len(), 256, || (), value)
+    }
+
+    /// The start on a mesh from contacts and a pressure on another.
+    fn start(
+        &self,
+        equations: &Equations<'_>,
+        mesh: &Mesh<'_>,
+        contacts: Contacts,
+        known: Option<(&Cells, &[f64])>,
+    ) -> Pressed {
+        let mut pressure = vec![0.0; mesh.cells.len()];
+        if let Some((cells, values)) = known {
+            let grid = cells.grid();
+            let mut whole = vec![0.0; grid.cell_count()];
+            cells.scatter(values, &mut whole);
+            for (pressure, at) in pressure.iter_mut().zip(mesh.cells.centres()) {
+                let place = [0, 1].map(|k| (at[k] - grid.origin()[k]) / grid.cell()[k]);
+                let [column, row] = place.map(|x| x.max(0.0) as usize);
+                if column < grid.columns() && row < grid.rows() {
+                    *pressure = whole[row * grid.columns() + column];
+                }
+            }
+        }
+        Pressed {
+            sunk: self.sunk(equations, mesh, &contacts),
+            force_on_tops: equations.force(&contacts),
+            force_on_floor: 0.0,
+            contacts,
+            pressure,
+            energy_bound: 0.0,
+            termination: Termination::Converged,
+            steps: 0,
+        }
+    }
+
+    /// Tops and floor at an indentation.
+    fn at(
+        &self,
+        equations: &mut Equations<'_>,
+        mesh: &mut Mesh<'_>,
+        indentation: f64,
+        mut pressed: Pressed,
+    ) -> Result<Pressed, SolveError> {
+        let settings = Settings {
+            tolerance: FLOOR_TOLERANCE,
+            ..Settings::default()
+        };
+        let area = mesh.cells.grid().cell_area();
+        let mut extrapolation = Extrapolation::default();
+        for _ in 0..TURNS {
+            let gap: Vec<f64> = (mesh.separation.iter())
+                .zip(&pressed.sunk)
+                .map(|(separation, sunk)| separation + sunk)
+                .collect();
+            let floor = solver::solve(
+                &mut mesh.operator,
+                &gap,
+                area,
+                Prescribed::Indentation(indentation),
+                Some(&pressed.pressure),
+                &settings,
+                &self.run.cancel,
+            );
+            self.run.check_cancelled()?;
+            pressed.force_on_floor = floor.force;
+            pressed.energy_bound = floor.certificate.energy_bound;
+            pressed.pressure = floor.pressure;
+            let forces = mesh.cells.centres().zip(&pressed.pressure);
+            let forces = forces.filter(|(_, pressure)| **pressure > 0.0);
+            equations.floor = FloorForces::new(forces.map(|(at, pressure)| (at, area * pressure)));
+            let target = Prescribed::Indentation(indentation);
+            let found = equations.find(target, Some(&pressed.contacts), self.run)?;
+            let (settled, termination) = self.bench.found(equations, found)?;
+            pressed.contacts = settled.contacts;
+            pressed.force_on_tops = equations.force(&pressed.contacts);
+            pressed.steps += settled.steps;
+            self.run.report(Progress {
+                stage: Stage::Floor,
+                step: pressed.steps,
+                pillars: self.bench.layout.asperities.len(),
+                touched: pressed.contacts.discs.len(),
+            });
+            for termination in [floor.termination, termination] {
+                if termination != Termination::Converged {
+                    pressed.termination = termination;
+                    return Ok(pressed);
+                }
+            }
+            let sunk = self.sunk(equations, mesh, &pressed.contacts);
+            let change: Vec<f64> = (sunk.iter().zip(&pressed.sunk))
+                .map(|(new, old)| new - old)
+                .collect();
+            let off = largest(change.iter().map(|x| x.abs()));
+            if off <= SUNK_TOLERANCE * self.depth {
+                pressed.termination = Termination::Converged;
+                return Ok(pressed);
+            }
+            pressed.sunk = extrapolation.next(&pressed.sunk, change);
+        }
+        pressed.termination = Termination::IterationLimit;
+        Ok(pressed)
+    }
+
+    /// Tops and floor under a load, from a guess of the indentation. Returns the indentation and the contact; `None` if the indentation
+    /// exceeds the bound of the mesh.
+    fn under(
+        &self,
+        equations: &mut Equations<'_>,
+        mesh: &mut Mesh<'_>,
+        target: Prescribed,
+        (guess, mut pressed): (f64, Pressed),
+    ) -> Result<Option<(f64, Pressed)>, SolveError> {
+        let force = match target {
+            Prescribed::Indentation(indentation) => {
+                let pressed = self.at(equations, mesh, indentation, pressed)?;
+                return Ok(Some((indentation, pressed)));
+            }
+            Prescribed::Force(force) => force,
+        };
+        let mut indentation = smaller(guess, mesh.bound);
+        let mut last: Option<[f64; 2]> = None;
+        for _ in 0..SECANTS {
+            pressed = self.at(equations, mesh, indentation, pressed)?;
+            let reached = pressed.force();
+            let off = reached - force;
+            if pressed.termination != Termination::Converged || off.abs() <= FORCE_TOLERANCE * force
+            {
+                return Ok(Some((indentation, pressed)));
+            }
+            if off < 0.0 && indentation >= mesh.bound {
+                return Ok(None);
+            }
+            let secant = last.map(|[at, force]| (reached - force) / (indentation - at));
+            // Without a secant, that of Hertz's solution.
+            let first = self.bench.layout.first_touch().min(self.depth);
+            let slope = secant.filter(|slope| slope.is_finite() && *slope > 0.0);
+            let slope = slope.unwrap_or(1.5 * reached / (indentation - first));
+            last = Some([indentation, reached]);
+            indentation = smaller(indentation - off / slope, mesh.bound);
+        }
+        pressed.termination = Termination::Stagnated;
+        Ok(Some((indentation, pressed)))
+    }
+}
+
+/// The contact on one grid.
+struct Level {
+    indentation: f64,
+    pressed: Pressed,
+    patches: Patches,
+    /// Area of a cell.
+    cell: f64,
+}
+
+impl Level {
+    fn floor_area(&self) -> f64 {
+        self.patches.area(self.cell)
+    }
+}
+
+/// Derivatives with respect to the indentation.
+struct Rates {
+    force: f64,
+    force_on_floor: f64,
+    area: f64,
+    forces: Vec<f64>,
+}
+
+impl Ground<'_> {
+    /// The contact on three grids, and at the end of the second one with a pressure of higher degree on the tops.
+    fn solve(
+        &self,
+        target: Prescribed,
+        alone: &Contacts,
+    ) -> Result<Option<Solved<'_>>, SolveError> {
+        let mut equations = self.equations();
+        let mut alone = alone.clone();
+        let first = self.bench.layout.first_touch().min(self.depth);
+        let step = |indentation: f64| SLOPE_STEP * (indentation - first);
+        let mut bound = match target {
+            Prescribed::Indentation(indentation) => indentation,
+            // At most that on the tops alone, if it was found.
+            Prescribed::Force(force) if equations.force(&alone) < (1.0 - FORCE_TOLERANCE) * force => {
+                alone.indentation + (alone.indentation - first)
+            }
+            Prescribed::Force(_) => alone.indentation,
+        };
+        let mut guess = bound;
+        let mut levels: Vec<Level> = Vec::new();
+        let mut known: Option<(Cells, Pressed)> = None;
+        let mut of_degree = None;
+        let mut side = f64::INFINITY;
+        let mut number = 0;
+        loop {
+            // The derivatives are differences.
+            let bound_of_mesh = bound + 2.0 * step(bound);
+            alone = self.tops_alone(bound_of_mesh, &alone)?;
+            side = match number {
+                0 => self.side_for(&alone, bound_of_mesh, 1.0 / 16.0)?,
+                1 => {
+                    let wanted = self.side_for(&alone, bound_of_mesh, 1.0 / 4.0)?;
+                    smaller(wanted, side / REFINED)
+                }
+                _ => 0.5 * side,
+            };
+            let Some(mut mesh) = self.mesh(&alone, bound_of_mesh, side)? else {
+                return Ok(None);
+            };
+            mesh.bound = bound;
+            let start = match &known {
+                Some((cells, pressed)) => self.start(
+                    &equations,
+                    &mesh,
+                    pressed.contacts.clone(),
+                    Some((cells, &pressed.pressure)),
+                ),
+                None => self.start(&equations, &mesh, alone.clone(), None),
+            };
+            let found = self.under(&mut equations, &mut mesh, target, (guess, start))?;
+            let Some((indentation, pressed)) = found else {
+                // The grid is too small: start again with a larger one.
+                bound += bound - first;
+                continue;
+            };
+            let loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
+            let level = Level {
+                indentation,
+                patches: Patches::of(&mesh.cells, loaded, &self.pillars),
+                cell: mesh.cells.grid().cell_area(),
+                pressed,
+            };
+            let is_solved = level.pressed.termination == Termination::Converged;
+            if level.patches.cells == 0 && is_solved {
+                return Ok(None);
+            }
+            if number == 1 && is_solved {
+                of_degree = self.refined(&mut mesh, &level)?;
+            }
+            guess = indentation;
+            if let Prescribed::Force(_) = target {
+                let past = larger(bound - indentation, indentation - self.depth);
+                bound = smaller(bound, indentation + BEYOND * past);
+            }
+            levels.push(level);
+            if number == 2 || !is_solved {
+                return Ok(Some(Solved {
+                    levels,
+                    of_degree,
+                    equations,
+                    mesh,
+                }));
+            }
+            let level = &levels[number];
+            known = Some((mesh.cells, level.pressed.clone()));
+            number += 1;
+        }
+    }
+
+    /// The same contact with a pressure of higher degree on the tops.
+    fn refined(&self, mesh: &mut Mesh<'_>, level: &Level) -> Result<Option<Pressed>, SolveError> {
+        let low = degree(self.accuracy);
+        let mut fine = Equations::new(&self.bench.layout, low + 2);
+        let mut start = level.pressed.clone();
+        start.contacts = with_modes(&start.contacts, mode_count(low), fine.modes());
+        let refined = self.at(&mut fine, mesh, level.indentation, start)?;
+        Ok((refined.termination == Termination::Converged).then_some(refined))
+    }
+
+    /// Derivatives of the last contact, as differences.
+    fn rates(&self, solved: &mut Solved<'_>) -> Result<Option<Rates>, SolveError> {
+        let Solved {
+            levels,
+            equations,
+            mesh,
+            ..
+        } = solved;
+        let Some(level) = levels.last() else {
+            return Ok(None);
+        };
+        let first = self.bench.layout.first_touch().min(self.depth);
+        let step = SLOPE_STEP * (level.indentation - first);
+        let mut ends = Vec::new();
+        for sign in [-1.0, 1.0] {
+            let indentation = level.indentation + sign * step;
+            let end = self.at(equations, mesh, indentation, level.pressed.clone())?;
+            if end.termination != Termination::Converged {
+                return Ok(None);
+            }
+            ends.push(end);
+        }
+        let [low, high] = &ends[..] else {
+            return Ok(None);
+        };
+        let rate = |of: &dyn Fn(&Pressed) -> f64| (of(high) - of(low)) / (2.0 * step);
+        let count = self.bench.layout.asperities.len();
+        let on = |asperity: usize| rate(&|it| equations.force_on(&it.contacts, asperity));
+        Ok(Some(Rates {
+            force: rate(&Pressed::force),
+            force_on_floor: rate(&|it| it.force_on_floor),
+            area: rate(&Pressed::area),
+            forces: (0..count).map(on).collect(),
+        }))
+    }
+}
+
+/// The contact on all grids.
+struct Solved<'a> {
+    levels: Vec<Level>,
+    of_degree: Option<Pressed>,
+    equations: Equations<'a>,
+    /// The last grid.
+    mesh: Mesh<'a>,
+}
+
+impl Bench {
+    /// The contact with tops and floor. `alone` are contacts with the tops alone under this load, in which the lens is below the floor, or
+    /// those at a lower indentation if these are not found. `None` if the floor carries no load on the finest grid.
+    pub(super) fn with_floor(
+        &self,
+        target: Prescribed,
+        alone: &AsperityContact,
+        depth: f64,
+        run: &Run<'_>,
+    ) -> Result<Option<AsperityContact>, SolveError> {
+        let depth = depth / self.units.length;
+        let Some(lens) = &self.layout.shape.0 else {
+            return Ok(None);
+        };
+        let ground = Ground {
+            bench: self,
+            lens,
+            pillars: Neighbours::new(bodies(self, depth).into_iter()),
+            depth,
+            accuracy: alone.accuracy,
+            run,
+        };
+        let Some(mut solved) = ground.solve(target, &alone.contacts)? else {
+            return Ok(None);
+        };
+        let rates = match solved.levels.last() {
+            Some(level) if level.pressed.termination == Termination::Converged => {
+                ground.rates(&mut solved)?
+            }
+            _ => None,
+        };
+        Ok(self.assemble_with_floor(&solved, rates.as_ref(), target, alone.accuracy))
+    }
+
+    fn assemble_with_floor(
+        &self,
+        solved: &Solved<'_>,
+        rates: Option<&Rates>,
+        target: Prescribed,
+        accuracy: Accuracy,
+    ) -> Option<AsperityContact> {
+        let level = solved.levels.last()?;
+        let pressed = &level.pressed;
+        let units = self.units;
+        let settled = Settled {
+            contacts: pressed.contacts.clone(),
+            factors: None,
+            steps: pressed.steps,
+        };
+        let contact = self.contact(&solved.equations, settled, pressed.termination, accuracy);
+        let errors = rates.and_then(|rates| solved.errors(rates, self, accuracy));
+        let (error, of_floor) = errors.map_or((None, FloorErrors::UNKNOWN), |(error, floor)| {
+            let mut error = AsperityErrors {
+                indentation: error.indentation * units.length,
+                ..error
+            };
+            match target {
+                Prescribed::Indentation(_) => error.indentation = 0.0,
+                Prescribed::Force(_) => error.force = 0.0,
+            }
+            (Some(error), floor)
+        });
+        let mut loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
+        let mut is_loaded = vec![false; solved.mesh.cells.grid().cell_count()];
+        for index in solved.mesh.cells.indices() {
+            is_loaded[index] = loaded.next() == Some(true);
+        }
+        let cells = Cells::where_true(solved.mesh.cells.grid(), |index| is_loaded[index]);
+        let positive = pressed.pressure.iter().filter(|pressure| **pressure > 0.0);
+        let before = solved.levels.iter().rev().nth(1);
+        let floor = FloorContact {
+            force: pressed.force_on_floor * units.force(),
+            share: pressed.share(),
+            area: level.floor_area() * units.length * units.length,
+            patches: level.patches.count,
+            patches_agree: before.is_some_and(|one| one.patches.count == level.patches.count),
+            radius: level.patches.radius * units.length,
+            smallest_distance_to_rim: level.patches.rim_distance * units.length,
+            error: of_floor,
+            energy_bound: pressed.energy_bound,
+            cells: cells.scaled(units.length),
+            rotation: 0.0,
+            pressure: positive.map(|pressure| pressure * units.pressure).collect(),
+        };
+        let slope = |value: f64| value * units.stiffness();
+        let force = match target {
+            // The secants end next to it.
+            Prescribed::Force(force) if pressed.termination == Termination::Converged => force,
+            _ => pressed.force(),
+        };
+        Some(AsperityContact {
+            force: force * units.force(),
+            slopes: AsperitySlopes {
+                force_with_indentation: rates.map_or(0.0, |rates| slope(rates.force)),
+                area_with_indentation: rates.map_or(0.0, |rates| rates.area * units.length),
+                force_with_height: rates.map_or_else(Vec::new, |rates| {
+                    rates.forces.iter().map(|rate| slope(*rate)).collect()
+                }),
+                area_with_height: Vec::new(),
+            },
+            error,
+            floor_gap: Some(AsperityFloorGap {
+                gap: 0.0,
+                position: floor.largest_pressure().1,
+            }),
+            floor: Some(floor),
+            ..contact
+        })
+    }
+}
+
+impl Solved<'_> {
+    /// Errors of force, area and indentation, and of the floor, from the last two grids and a pressure of higher degree.
+    fn errors(
+        &self,
+        rates: &Rates,
+        bench: &Bench,
+        accuracy: Accuracy,
+    ) -> Option<(AsperityErrors, FloorErrors)> {
+        let (of_degree, [coarse, fine]) = (self.of_degree.as_ref()?, self.levels.last_chunk()?);
+        let moved = fine.indentation - coarse.indentation;
+        // Differences at the same indentation, to first order.
+        let error = |of: &dyn Fn(&Pressed) -> f64, rate: f64| {
+            let of_cells = of(&fine.pressed) - of(&coarse.pressed) - rate * moved;
+            let of_degree = of(of_degree) - of(&coarse.pressed);
+            SAFETY * of_cells.abs() + DEGREES * of_degree.abs()
+        };
+        let pressed = &fine.pressed;
+        let [on_shape, area_of_shape] = match pressed.contacts.discs.is_empty() {
+            true => [0.0; 2],
+            false => Equations::new(&bench.layout, degree(accuracy)).shape_errors(&pressed.contacts),
+        };
+        let force = error(&Pressed::force, rates.force) + on_shape;
+        let area = error(&Pressed::area, rates.area);
+        let relative = |change: f64, value: f64| if value > 0.0 { change / value } else { 0.0 };
+        let total = pressed.force();
+        let of_share = (rates.force_on_floor - pressed.share() * rates.force) / total;
+        let shared = error(&Pressed::share, of_share);
+        let part = (rates.force_on_floor / rates.force).abs();
+        let share = larger(shared, larger(part, 1.0) * force / total) / pressed.share();
+        let border = fine.patches.area_error(fine.cell);
+        let of_area = SAFETY * (fine.floor_area() - coarse.floor_area()).abs();
+        Some((
+            AsperityErrors {
+                force: relative(force, total),
+                area: relative(area, pressed.area()) + area_of_shape,
+                indentation: force / rates.force.abs(),
+            },
+            FloorErrors {
+                share,
+                area: larger(border, of_area) / fine.floor_area(),
+            },
+        ))
+    }
+}
