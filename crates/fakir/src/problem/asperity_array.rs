@@ -193,8 +193,8 @@ impl AsperityArray {
         })
     }
 
-    /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. It carries no load;
-    /// the [critical state](AsperityArray::transition) is that in which the lens reaches it. A pillar covers the floor within the radius of its
+    /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. The
+    /// [critical state](AsperityArray::transition) is that in which the lens reaches it; past it, without adhesion, the floor carries load. A pillar covers the floor within the radius of its
     /// rim, or where its top extends down to the floor as a paraboloid.
     ///
     /// # Errors

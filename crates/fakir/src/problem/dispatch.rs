@@ -184,7 +184,7 @@ impl Feature {
 }
 
 impl Feature {
-    /// The features of rounded tops that decide whether the floor is reached: the lens.
+    /// The features of rounded tops that decide whether the floor is reached and what it carries.
     #[must_use]
     pub fn of_asperities(field: &AsperityArray) -> Vec<Self> {
         let lens = field.indenter().lens();
@@ -192,6 +192,8 @@ impl Feature {
         let has = |feature: &Self| match feature {
             Self::Lens(other) => *other == form,
             Self::TiltedPlate => lens.is_some_and(ShapedLens::is_tilted),
+            Self::AdhesiveTops => !field.adhesion().is_none(),
+            Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
         };
         Self::ALL.into_iter().filter(has).collect()
@@ -312,9 +314,9 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[FLOOR_INTERACTION],
-        "floor contact is not computed under rounded tops, so that a shear stress on the floor has no area",
-        "leave it out: the shear stress on the tops is used",
+        &[FLOOR_INTERACTION, ADHESIVE_TOPS],
+        "floor contact under rounded tops is not computed with adhesion, so that a shear stress on the floor has no area",
+        "leave out the shear stress on the floor, or the work of adhesion",
     ),
     rule(
         ANY,
@@ -445,7 +447,7 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[ADHESIVE_FLOOR],
-        "floor contact is not computed under rounded tops, so that the floor cannot be adhesive",
+        "floor contact under rounded tops is not computed with adhesion, so that the floor cannot be adhesive",
         "use adhesion of the tops only",
     ),
     rule(
@@ -479,9 +481,23 @@ static RULES: &[Rule] = &[
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
         ASPERITIES,
+        &[WITHOUT_AXIS],
+        "a cylinder or a plate is closest to the floor outside the pillars, where its contact with the floor has no end",
+        "use a lens with an axis",
+    ),
+    rule(
+        &[Question::FloorShare],
+        ASPERITIES,
         &[],
-        "floor contact is not computed under rounded tops",
-        "use `transition` for the load at which the floor is reached; prescribe an indentation or a force below it",
+        "a fraction of the load on the floor is designed for flat pillar tops only",
+        "use `approach`, which reports the fraction of every state under rounded tops",
+    ),
+    rule(
+        &[Question::VerifyFloor],
+        ASPERITIES,
+        &[],
+        "under rounded tops the second method contains the tops and not the floor",
+        "prescribe an indentation or a force below the critical state; `press` estimates the error past it",
     ),
     rule(
         &[

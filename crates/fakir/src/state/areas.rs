@@ -24,10 +24,7 @@ impl ContactState {
     #[must_use]
     pub fn areas(&self) -> ContactAreas {
         let floor = match &self.floor {
-            Some(floor) => Some(Area {
-                value: floor.area,
-                error: Some(floor.error.area * floor.area),
-            }),
+            Some(floor) => Some(floor.contact_area()),
             None => (!self.beyond_transition()).then_some(Area::exact(0.0)),
         };
         let tops = self.tops();
@@ -97,7 +94,9 @@ impl SurfaceContact {
 }
 
 impl AsperityContact {
-    /// The area in contact on rounded tops; floor contact is not computed.
+    /// The areas in contact on rounded tops and the floor.
+    ///
+    /// The floor is `None` where it may be reached and its contact is not computed.
     #[must_use]
     pub fn areas(&self) -> ContactAreas {
         ContactAreas {
@@ -105,7 +104,10 @@ impl AsperityContact {
                 value: self.area,
                 error: self.error.map(|error| error.area * self.area),
             },
-            floor: None,
+            floor: match &self.floor {
+                Some(floor) => Some(floor.contact_area()),
+                None => (self.beyond_transition() == Some(false)).then_some(Area::exact(0.0)),
+            },
         }
     }
 }

@@ -25,7 +25,7 @@ pub struct AsperityState {
 }
 
 /// Derivatives of force and area. Those with respect to heights are at constant indentation. They are one-sided at loads at which contacts
-/// begin or end.
+/// begin or end. Past the transition they are differences of contacts on one grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsperitySlopes {
     /// Derivative of the force with respect to the indentation, N/m.
@@ -34,15 +34,16 @@ pub struct AsperitySlopes {
     pub area_with_indentation: f64,
     /// Derivative of the force with respect to the height of every asperity, N/m.
     pub force_with_height: Vec<f64>,
-    /// Derivative of the area with respect to the height of every asperity, m.
+    /// Derivative of the area with respect to the height of every asperity, m; empty past the transition, where it is not computed.
     pub area_with_height: Vec<f64>,
 }
 
 impl AsperitySlopes {
-    /// Derivative of the area with respect to the height of an asperity at constant force, m; zero without contact.
+    /// Derivative of the area with respect to the height of an asperity at constant force, m; zero without contact, NaN past the transition.
     #[must_use]
     pub fn area_with_height_at_force(&self, asperity: usize) -> f64 {
-        self.area_with_height[asperity]
+        let at_indentation = self.area_with_height.get(asperity).copied();
+        at_indentation.unwrap_or(f64::NAN)
             + self.area_with_indentation * self.indentation_with_height(asperity)
     }
 
@@ -72,7 +73,8 @@ pub struct AsperityErrors {
 /// The smallest gap between the lens and the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AsperityFloorGap {
-    /// The gap, m; negative where the lens would be below the floor, whose load is not computed.
+    /// The gap, m; zero if the floor is in contact, negative with adhesion where the lens would be below the floor, whose load is then not
+    /// computed.
     pub gap: f64,
     /// Position of this point of the floor, m from the lens axis.
     pub position: Point,
@@ -87,14 +89,15 @@ pub struct AsperityContact {
     pub indentation: f64,
     /// Normal force, N.
     pub force: f64,
-    /// Area in contact, m^2.
+    /// Area in contact on the tops, m^2.
     pub area: f64,
-    /// Distance from the lens axis of the farthest point in contact, m; from the origin for a cylinder and a tilted plate, `None` for a level
+    /// Distance from the lens axis of the farthest point in contact on a top, m; from the origin for a cylinder and a tilted plate, `None` for a level
     /// plate.
     pub contact_radius: Option<f64>,
     /// Every asperity, in the order of the array.
     pub asperities: Vec<AsperityState>,
-    /// Derivatives of force and area with respect to indentation and heights; exact for the discrete solution.
+    /// Derivatives of force and area with respect to indentation and heights; exact for the discrete
+    /// solution, except past the transition.
     pub slopes: AsperitySlopes,
     /// Estimated errors, if they were requested and are available.
     pub error: Option<AsperityErrors>,
@@ -137,6 +140,13 @@ impl AsperityContact {
         Unresolved::among(numbers, remedy)
     }
 
+    /// Whether the lens has reached the floor, whether or not its load is computed; `None` if that is not known.
+    #[must_use]
+    pub fn beyond_transition(&self) -> Option<bool> {
+        let gap = self.floor_gap.map(|floor| floor.gap < 0.0);
+        self.floor.as_ref().map_or(gap, |_| Some(true))
+    }
+
     /// Number of asperities that are touched.
     #[must_use]
     pub fn touched(&self) -> usize {
@@ -164,6 +174,9 @@ impl AsperityContact {
         }
         if let Some(floor) = &mut self.floor_gap {
             check_number("gap of the floor", &mut floor.gap)?;
+        }
+        if let Some(floor) = &mut self.floor {
+            floor.check()?;
         }
         if let Some(error) = &mut self.error {
             check_number("error estimate of the force", &mut error.force)?;

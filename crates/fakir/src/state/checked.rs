@@ -52,7 +52,7 @@ impl ContactState {
 
 impl FloorContact {
     /// Checks that all numbers of the contact are finite before it is returned.
-    fn check(&mut self) -> Result<(), SolveError> {
+    pub(super) fn check(&mut self) -> Result<(), SolveError> {
         for (what, value) in [
             ("force on the floor", &mut self.force),
             ("fraction of the load on the floor", &mut self.share),

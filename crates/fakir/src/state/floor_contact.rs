@@ -1,7 +1,7 @@
 //! Contact with the floor between the pillars.
 
 use crate::problem::point::turned;
-use crate::problem::{Cells, Point};
+use crate::problem::{Area, Cells, Point};
 
 /// The contact with the floor between the pillars. Its pressure is constant on the cells of a grid that is aligned with the lattice.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +52,14 @@ impl FloorErrors {
 }
 
 impl FloorContact {
+    /// The area in contact with its error.
+    pub(crate) fn contact_area(&self) -> Area {
+        Area {
+            value: self.area,
+            error: Some(self.error.area * self.area),
+        }
+    }
+
     /// Sides of a cell along x and y, m.
     #[must_use]
     pub fn cell(&self) -> [f64; 2] {

@@ -56,7 +56,7 @@ impl AsperityVerification {
 /// the undeformed gap and the elastic response of the half-space: the displacement due to modes of a disc, and due to a square.
 ///
 /// # Errors
-/// As [`AsperityArray::press`]; [`SolveError::Unsupported`] with adhesion.
+/// As [`AsperityArray::press`]; [`SolveError::Unsupported`] with adhesion, and past the transition.
 pub fn verify_asperities(
     array: &AsperityArray,
     load: Load,
@@ -69,6 +69,9 @@ pub fn verify_asperities(
     };
     Question::Verify.check(Solver::Asperities, features)?;
     let discs = array.press(load, Accuracy::Accurate, run)?;
+    if discs.floor.is_some() {
+        Question::VerifyFloor.check(Solver::Asperities, &Feature::of_asperities(array))?;
+    }
     let elements = press_asperities(array, load, &discs, cells, run)?;
     let fine = &elements[1];
     let unknown = AsperityErrors {

@@ -137,6 +137,11 @@ impl Pressed {
         PI * discs.map(|disc| disc.radius * disc.radius).sum::<f64>()
     }
 
+    /// Mean displacement of the floor by the tops, weighted with the pressure.
+    fn mean_sunk(&self) -> f64 {
+        dot(&self.pressure, &self.sunk) / self.pressure.iter().sum::<f64>()
+    }
+
     fn share(&self) -> f64 {
         self.force_on_floor / self.force()
     }
@@ -167,9 +172,7 @@ impl Extrapolation {
                 let ridge = if i == j { 1.0 + RIDGE } else { 1.0 };
                 product * ridge
             });
-            let mut parts: Vec<f64> = (differences.iter())
-                .map(|[_, r]| dot(r, &change))
-                .collect();
+            let mut parts: Vec<f64> = (differences.iter()).map(|[_, r]| dot(r, &change)).collect();
             Lu::new(gram).solve(&mut parts);
             if parts.iter().all(|part| part.is_finite()) {
                 for ([x, r], part) in differences.iter().zip(&parts) {
@@ -490,11 +493,14 @@ impl Ground<'_> {
         let mut alone = alone.clone();
         let first = self.bench.layout.first_touch().min(self.depth);
         let step = |indentation: f64| SLOPE_STEP * (indentation - first);
+        let further = |bound: f64| bound + larger(bound - first, self.depth);
         let mut bound = match target {
             Prescribed::Indentation(indentation) => indentation,
             // At most that on the tops alone, if it was found.
-            Prescribed::Force(force) if equations.force(&alone) < (1.0 - FORCE_TOLERANCE) * force => {
-                alone.indentation + (alone.indentation - first)
+            Prescribed::Force(force)
+                if equations.force(&alone) < (1.0 - FORCE_TOLERANCE) * force =>
+            {
+                further(alone.indentation)
             }
             Prescribed::Force(_) => alone.indentation,
         };
@@ -532,7 +538,7 @@ impl Ground<'_> {
             let found = self.under(&mut equations, &mut mesh, target, (guess, start))?;
             let Some((indentation, pressed)) = found else {
                 // The grid is too small: start again with a larger one.
-                bound += bound - first;
+                bound = further(bound);
                 continue;
             };
             let loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
@@ -755,16 +761,18 @@ impl Solved<'_> {
         let pressed = &fine.pressed;
         let [on_shape, area_of_shape] = match pressed.contacts.discs.is_empty() {
             true => [0.0; 2],
-            false => Equations::new(&bench.layout, degree(accuracy)).shape_errors(&pressed.contacts),
+            false => {
+                Equations::new(&bench.layout, degree(accuracy)).shape_errors(&pressed.contacts)
+            }
         };
         let force = error(&Pressed::force, rates.force) + on_shape;
         let area = error(&Pressed::area, rates.area);
         let relative = |change: f64, value: f64| if value > 0.0 { change / value } else { 0.0 };
         let total = pressed.force();
         let of_share = (rates.force_on_floor - pressed.share() * rates.force) / total;
-        let shared = error(&Pressed::share, of_share);
-        let part = (rates.force_on_floor / rates.force).abs();
-        let share = larger(shared, larger(part, 1.0) * force / total) / pressed.share();
+        // The displacement of the floor by the tops is in proportion to the forces on these, and has at least their relative error.
+        let sunk = relative(on_shape, pressed.force_on_tops) * pressed.mean_sunk();
+        let shared = error(&Pressed::share, of_share) + (of_share * sunk).abs();
         let border = fine.patches.area_error(fine.cell);
         let of_area = SAFETY * (fine.floor_area() - coarse.floor_area()).abs();
         Some((
@@ -774,9 +782,64 @@ impl Solved<'_> {
                 indentation: force / rates.force.abs(),
             },
             FloorErrors {
-                share,
+                share: relative(shared, pressed.share()),
                 area: larger(border, of_area) / fine.floor_area(),
             },
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{Asperity, AsperityArray, LensShape, Material};
+
+    /// The derivatives of the force with respect to the height of a top and to the indentation, as differences on one grid. The first is that
+    /// of the force on this top, because forces are derivatives of one energy.
+    #[test]
+    fn forces_are_derivatives_of_an_energy() {
+        let run = Run::default();
+        let of = |raised: f64| {
+            let rubber = Material::new(1.0, 0.0);
+            let shape = LensShape::Paraboloid { radius: 1e-3 };
+            let lens = ShapedLens::new(shape, Material::new(1e300, 0.0));
+            let top = |at: [f64; 2], raised: f64| Asperity {
+                rim_radius: Some(15e-6),
+                ..Asperity::new(at, 1e-4).raised_by(raised)
+            };
+            let tops = vec![top([9e-6, 4e-6], raised), top([-24e-6, 0.0], 2e-7)];
+            Bench::new(&AsperityArray::new(lens.into(), rubber, tops).expect("an array"))
+        };
+        let (indentation, step) = (0.025, 1e-4);
+        let at = |raised: f64, indentation: f64| {
+            let bench = of(raised * 1e-4);
+            let lens = bench.layout.shape.0.as_ref().expect("a lens");
+            let ground = Ground {
+                bench: &bench,
+                lens,
+                pillars: Neighbours::new(bodies(&bench, 0.01).into_iter()),
+                depth: 0.01,
+                accuracy: Accuracy::Default,
+                run: &run,
+            };
+            let mut equations = ground.equations();
+            let largest = indentation + 10.0 * step;
+            let untouched = bench.layout.untouched(largest);
+            let mut mesh = ground
+                .mesh(&untouched, 0.03, 0.02)
+                .expect("cells")
+                .expect("a floor");
+            let start = ground.start(&equations, &mesh, untouched, None);
+            let found = ground.at(&mut equations, &mut mesh, indentation, start);
+            let found = found.expect("a contact");
+            assert_eq!(found.termination, Termination::Converged);
+            assert!(found.share() > 0.1);
+            [found.force(), equations.force_on(&found.contacts, 0)]
+        };
+        let with = |raised: f64, moved: f64| at(raised, indentation + moved);
+        let of_height = with(step, 0.0)[0] - with(-step, 0.0)[0];
+        let [low, high] = [-step, step].map(|moved| with(0.0, moved));
+        let off = of_height / (high[1] - low[1]) - 1.0;
+        assert!(off.abs() < 1e-3, "{off:e}");
     }
 }
