@@ -8,8 +8,8 @@ use crate::parts::{MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Indenter, InvalidAsperities, InvalidQuantity, LensForm,
-    Material, PillarCompliance, Point, Question, ShapedLens, Solver,
+    Accuracy, Asperity, AsperityArray, FloorModel, Indenter, InvalidAsperities, InvalidQuantity,
+    LensForm, Material, PillarCompliance, Point, Question, ShapedLens, Solver,
 };
 use std::f64::consts::PI;
 
@@ -79,6 +79,10 @@ impl AsperityCase {
             Key::PillarHeight,
             Key::Accuracy,
         ];
+        if field.floor_model() == FloorModel::Ignored {
+            parts.pattern.floor = FloorModel::Ignored;
+            keys.push(Key::FloorContact);
+        }
         let adhesion = field.adhesion();
         if !adhesion.is_none() {
             parts.pattern.adhesion.work = adhesion.work;
@@ -103,7 +107,8 @@ impl AsperityCase {
         let of_interactions = Key::ALL.into_iter();
         keys.extend(
             of_interactions
-                .filter(|key| key.part() == Part::Interactions && !(key.row().unwritten)(&parts)),
+                .filter(|key| [Part::Interactions, Part::InteractionsOnFloor].contains(&key.part()))
+                .filter(|key| !(key.row().unwritten)(&parts)),
         );
         let settings = keys.into_iter();
         let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
@@ -214,6 +219,7 @@ impl AsperityCase {
         )?
         .with_interactions(*raised.interactions())?;
         let field = above_floor(field.with_adhesion(raised.adhesion())?, self.height)?;
+        let field = field.with_floor_model(self.field.floor_model());
         Ok(Self {
             field,
             ..self.clone()
@@ -339,7 +345,8 @@ impl CaseFile {
         let field = field
             .with_adhesion(adhesion)
             .and_then(|field| above_floor(field, height))
-            .map_err(|invalid| self.impossible(&invalid))?;
+            .map_err(|invalid| self.impossible(&invalid))?
+            .with_floor_model(parts.pattern.floor);
         Ok(AsperityCase {
             field,
             accuracy: parts.method.accuracy,

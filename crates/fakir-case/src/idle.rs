@@ -17,7 +17,7 @@ pub(crate) struct Idle {
 }
 
 /// All keys that may be accepted without having an effect. Other keys without effect are refused.
-pub(crate) static IDLE: [Idle; 8] = [
+pub(crate) static IDLE: [Idle; 7] = [
     Idle {
         key: Key::LensTiltDirection,
         holds: |parts| parts.shape.tilt == 0.0,
@@ -41,11 +41,6 @@ pub(crate) static IDLE: [Idle; 8] = [
             pattern.top_radius.is_finite() && !has_diameters
         },
         reason: "rounded tops without pattern.pillar.diameter are part of the half-space and do not shorten",
-    },
-    Idle {
-        key: Key::FloorContact,
-        holds: |parts| parts.pattern.top_radius.is_finite(),
-        reason: "floor contact is not computed under rounded tops: a warning is printed if the floor may be reached",
     },
     Idle {
         key: Key::PatternOffsetAngle,

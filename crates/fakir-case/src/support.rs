@@ -135,7 +135,7 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
     let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
     let of_height_maps = solver != Solver::HeightMap && has(Feature::Periodic);
-    // The floor under rounded tops is neglected.
+    // The floor under rounded tops is not ignored.
     let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
     features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !of_height_maps && !ignored
 }

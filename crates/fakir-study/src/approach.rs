@@ -339,13 +339,13 @@ impl Loadable for AsperityCase {
     }
 
     fn computes_floor_load(&self) -> bool {
-        false
+        self.field.is_floor_loaded()
     }
 
     // Tops high above the floor merge before it is reached, so that the critical state does not exist.
     fn may_reach_floor(&self, end: Load, run: &Run<'_>) -> Result<bool, SolveError> {
         match self.field.press(end, self.accuracy, run) {
-            Ok(contact) => Ok(contact.floor_gap.is_some_and(|floor| floor.gap < 0.0)),
+            Ok(contact) => Ok(contact.beyond_transition() == Some(true)),
             Err(SolveError::Interrupted) => Err(SolveError::Interrupted),
             // The loading may end at the critical state before.
             Err(_) => Ok(true),
@@ -370,7 +370,12 @@ impl Loadable for AsperityCase {
     }
 
     fn state(&self, state: LoadingState<&AsperityContact>) -> Record {
-        Record::of(&state.of(AsperityAnswer::of(self, state.answer)))
+        let place = Place {
+            beyond: state.answer.beyond_transition(),
+            ..state.place
+        };
+        let answer = AsperityAnswer::of(self, state.answer);
+        Record::of(&LoadingState { place, ..state }.of(answer))
     }
 
     fn warnings(&self, contact: &AsperityContact) -> Vec<String> {

@@ -38,7 +38,7 @@ impl AnyCase {
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file.missing(Key::AdhesiveFloor).accepted(
-                "a flat surface has no floor between pillars, and under rounded tops floor contact is not computed: use question = \"cycle\"",
+                "a flat surface has no floor between pillars, and under adhesive rounded tops floor contact is not computed: use question = \"cycle\"",
             ));
         }
         Ok(case)

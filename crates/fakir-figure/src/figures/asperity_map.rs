@@ -3,6 +3,7 @@
 use crate::chart::MARGIN;
 use crate::figure::{COLUMN, Figure};
 use crate::map::{KeySign, Window, view_from_above};
+use crate::patches::{ON_FLOOR, patches};
 use crate::scene::{Colour, Item, Path, Stroke};
 use fakir::problem::{AsperityArray, Point};
 use fakir::state::AsperityContact;
@@ -16,7 +17,7 @@ const NO_CONTACT: Colour = Colour::grey(120);
 const RING: f64 = 2.2;
 
 /// The contact with rounded tops from above: contacts are dark, pillars with an edge light; tops without an edge that are not in
-/// contact are rings.
+/// contact are rings; the floor in contact is grey.
 #[must_use]
 pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure {
     let asperities = || field.asperities().iter().zip(&contact.asperities);
@@ -36,6 +37,9 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
         .map(|[low, high]| 0.5 * (high - low))
         .fold(0.0, f64::max);
     let half_width = 1.08 * (half_width + widest.max(0.05 * half_width));
+    let of_floor = contact.floor.as_ref();
+    let of_floor = of_floor.map_or(0.0, |floor| floor.radius + centre[0].hypot(centre[1]));
+    let half_width = half_width.max(1.08 * of_floor);
     let half_width = if half_width > 0.0 { half_width } else { 1e-6 };
     let side = COLUMN - 2.0 * MARGIN;
     let window = Window::new([MARGIN, MARGIN], side, centre, half_width);
@@ -47,6 +51,9 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
             fill,
             stroke,
         };
+    if let Some(floor) = &contact.floor {
+        inside.push(Item::filled(patches(&window, floor), ON_FLOOR));
+    }
     for (asperity, state) in asperities() {
         match asperity.rim_radius {
             Some(rim) => inside.push(disc(asperity.apex, window.length(rim), Some(PILLAR), None)),
@@ -73,10 +80,17 @@ pub fn asperity_map(field: &AsperityArray, contact: &AsperityContact) -> Figure 
     if asperities().any(|(asperity, state)| asperity.rim_radius.is_none() && state.radius <= 0.0) {
         signs.push((KeySign::Circle(NO_CONTACT), "top without contact"));
     }
-    let ground = if has_edges { "floor" } else { "no contact" };
+    if contact.floor.is_some() {
+        signs.push((KeySign::Patch(ON_FLOOR), "floor in contact"));
+    }
+    let ground = match (has_edges, contact.floor.is_some()) {
+        (_, true) => "floor, no contact",
+        (true, false) => "floor",
+        (false, false) => "no contact",
+    };
     signs.push((KeySign::Patch(FLOOR), ground));
     view_from_above("contact-map", &window, inside, &signs).with_description(
         "Contacts with rounded tops from above",
-        "The contact from above: contact areas dark, pillars with an edge light, tops without an edge that are not in contact as circles.",
+        "The contact from above: contact areas dark, pillars with an edge light, tops without an edge that are not in contact as circles, the floor in contact grey.",
     )
 }

@@ -81,7 +81,7 @@ impl Kind for AsperityCase {
             }
             if matches!(plan.turn, UnloadingPoint::Critical(_)) {
                 return Err(AnswerError::Refused(
-                    "a cycle of rounded tops ends at an indentation or a force, not at the critical state, as floor contact is not computed: give --to or --to-force; `fakir transition` gives the critical state",
+                    "a cycle of rounded tops ends at an indentation or a force, not at the critical state, as floor contact is not computed with adhesion: give --to or --to-force; `fakir transition` gives the critical state",
                 ));
             }
         }
@@ -147,7 +147,10 @@ impl Kind for AsperityCase {
             remark(depth),
         )
         .area(
-            "contact area",
+            match contact.floor.is_some() {
+                true => "contact area on the tops",
+                false => "contact area",
+            },
             contact.area,
             digits(error.area),
             &remark(error.area),
@@ -162,6 +165,7 @@ impl Kind for AsperityCase {
         }
         if let Some(floor) = contact.floor_gap
             && (found.floor_contact().is_none() || floor.gap > 0.0)
+            && contact.floor.is_none()
         {
             let remark = match (found.floor_contact(), floor.gap < 0.0) {
                 (Some(_), _) => {
@@ -172,6 +176,7 @@ impl Kind for AsperityCase {
             };
             list.length("smallest floor gap", floor.gap, remark.to_owned());
         }
+        list.floor(contact);
         let full = contact
             .asperities
             .iter()

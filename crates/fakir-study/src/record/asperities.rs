@@ -1,6 +1,6 @@
 //! The numbers of contacts and cycles with rounded pillar tops.
 
-use super::contact::{common, critical_load, load};
+use super::contact::{MayReachFloor, common, critical_load, floor, floor_errors, load};
 use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
@@ -43,13 +43,11 @@ impl<'a> AsperityCritical<'a> {
     }
 }
 
-/// Effects that are neglected in contacts with rounded tops.
-const LEFT_OUT: &[&str] = &["floor", "adhesion"];
+/// Effects that are neglected in contacts with rounded tops, where the floor is not.
+const LEFT_OUT: &[&str] = &["adhesion"];
 
-/// The same in the critical state, in which the floor has no load.
-const LEFT_OUT_BEFORE_FLOOR: &[&str] = &["adhesion"];
-
-/// The same as in contacts, with adhesion.
+/// The same where the floor may be reached and its load is not computed, without adhesion and with it.
+const LEFT_OUT_PAST_FLOOR: &[&str] = &["floor", "adhesion"];
 const LEFT_OUT_WITH_ADHESION: &[&str] = &["floor"];
 
 impl<'a> AsperityAnswer<'a> {
@@ -63,12 +61,12 @@ impl<'a> AsperityAnswer<'a> {
         }
     }
 
-    /// Whether the floor among the pillars carries no load: the smallest gap is not negative. Where that is not computed, it is certain from
+    /// Whether the floor among the pillars is not reached: the smallest gap is not negative. Where that is not computed, it is certain from
     /// the depth of the floor below the level of zero indentation: pressure only moves it away from the lens, whose lowest point is on its axis or, of a tilted plate, above the outermost pillar, and tension lifts it
     /// nowhere by more than the sum of what each contact under tension lifts at its own edge, `2 |F|/(pi E* b)` or less.
     pub(crate) fn floor_is_out_of_reach(&self) -> bool {
-        if let Some(floor) = self.contact.floor_gap {
-            return floor.gap >= 0.0;
+        if let Some(beyond) = self.contact.beyond_transition() {
+            return !beyond;
         }
         let tensile = self.contact.asperities.iter();
         let tensile = tensile.filter(|asperity| asperity.force < 0.0 && asperity.radius > 0.0);
@@ -87,12 +85,18 @@ impl<'a> AsperityAnswer<'a> {
         self.contact.indentation + deepest + lifted < self.height
     }
 
+    /// Whether the load of the floor is neglected: it may be reached, and its contact is not computed.
+    pub(crate) fn neglects_floor(&self) -> bool {
+        self.contact.on_floor().is_none() && !self.floor_is_out_of_reach()
+    }
+
     /// Effects that are neglected.
     fn left_out(&self) -> &'static [&'static str] {
-        if self.field.adhesion().is_none() {
-            LEFT_OUT
-        } else {
-            LEFT_OUT_WITH_ADHESION
+        match (self.field.adhesion().is_none(), self.neglects_floor()) {
+            (true, false) => LEFT_OUT,
+            (true, true) => LEFT_OUT_PAST_FLOOR,
+            (false, true) => LEFT_OUT_WITH_ADHESION,
+            (false, false) => &[],
         }
     }
 }
@@ -109,7 +113,7 @@ fn contact() -> Vec<Named<AsperityContact>> {
         indentation,
         Named::number(
             "contact_area_m2",
-            "area of all contacts",
+            "area of all contacts on tops",
             |it: &AsperityContact| it.area,
         )
         .symbol("A"),
@@ -142,7 +146,7 @@ fn contact() -> Vec<Named<AsperityContact>> {
         ),
         Named::number_if_any(
             "smallest_floor_gap_m",
-            "smallest gap between lens and floor; negative where the lens would be below the floor, whose load is not computed; `null` under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it",
+            "smallest gap between lens and floor; past the transition 0, or negative where the load of the floor is not computed; `null` under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it",
             |it: &AsperityContact| it.floor_gap.map(|floor| floor.gap),
         ),
         Named::number(
@@ -214,6 +218,7 @@ impl<'a> Recorded for AsperityAnswer<'a> {
         };
         let mut rows: Vec<Named<Self>> = head().map(|row| row.of_part(|it: &Self| it.field)).into();
         rows.extend(of_contact(contact()));
+        rows.extend(of_contact(floor()));
         rows.push(Named::words(
             "left_out",
             "effects that are not computed",
@@ -225,6 +230,7 @@ impl<'a> Recorded for AsperityAnswer<'a> {
             |it: &Self| it.floor_is_out_of_reach(),
         ));
         rows.extend(interactions::rows());
+        rows.extend(of_contact(floor_errors().into()));
         rows.extend(of_contact(solution()));
         rows
     }
@@ -270,7 +276,7 @@ impl<'a> Recorded for AsperityCritical<'a> {
             "left_out",
             "effects that are not computed",
             |it: &Self| match it.answer.field.adhesion().is_none() {
-                true => LEFT_OUT_BEFORE_FLOOR,
+                true => LEFT_OUT,
                 false => &[],
             },
         ));

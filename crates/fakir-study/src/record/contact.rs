@@ -2,7 +2,9 @@
 
 use super::interactions;
 use super::named::{Kind, Named, Recorded};
-use fakir::state::{Contact, ContactState, Critical, CriticalState, FloorContact, Solution};
+use fakir::state::{
+    AsperityContact, Contact, ContactState, Critical, CriticalState, FloorContact, Solution,
+};
 
 /// Force, indentation and radius of any contact.
 pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
@@ -82,12 +84,41 @@ pub(super) fn common_of_states<T: Solution + 'static>() -> Vec<Named<T>> {
     rows
 }
 
-/// A number of the floor contact: zero before the floor is touched, none past the transition if the floor is ignored.
+/// A contact that may extend to the floor.
+pub trait MayReachFloor: 'static {
+    /// The contact with the floor, if its load is computed.
+    fn on_floor(&self) -> Option<&FloorContact>;
+
+    /// Whether the lens has certainly not reached the floor.
+    fn is_before_floor(&self) -> bool;
+}
+
+impl MayReachFloor for ContactState {
+    fn on_floor(&self) -> Option<&FloorContact> {
+        self.floor.as_ref()
+    }
+
+    fn is_before_floor(&self) -> bool {
+        !self.beyond_transition()
+    }
+}
+
+impl MayReachFloor for AsperityContact {
+    fn on_floor(&self) -> Option<&FloorContact> {
+        self.floor.as_ref()
+    }
+
+    fn is_before_floor(&self) -> bool {
+        self.beyond_transition() == Some(false)
+    }
+}
+
+/// A number of the floor contact: zero before the floor is touched, none past the transition if its load is not computed.
 #[must_use]
-pub fn of_floor(state: &ContactState, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
-    match &state.floor {
+pub fn of_floor<C: MayReachFloor>(state: &C, number: impl Fn(&FloorContact) -> f64) -> Option<f64> {
+    match state.on_floor() {
         Some(floor) => Some(number(floor)),
-        None => (!state.beyond_transition()).then_some(0.0),
+        None => state.is_before_floor().then_some(0.0),
     }
 }
 
@@ -151,49 +182,41 @@ fn iterations() -> Named<ContactState> {
 }
 
 /// Numbers of the floor contact. A table has zeros before the transition, where the object has no floor.
-fn floor() -> Vec<Named<ContactState>> {
+pub(super) fn floor<C: MayReachFloor>() -> Vec<Named<C>> {
     vec![
-        Named::number_if_any(
-            "floor.force_N",
-            "force on the floor",
-            |it: &ContactState| of_floor(it, |floor| floor.force),
-        )
+        Named::number_if_any("floor.force_N", "force on the floor", |it: &C| {
+            of_floor(it, |floor| floor.force)
+        })
         .always(),
-        Named::number_if_any(
-            "floor.share",
-            "floor force over total force",
-            |it: &ContactState| of_floor(it, |floor| floor.share),
-        )
+        Named::number_if_any("floor.share", "floor force over total force", |it: &C| {
+            of_floor(it, |floor| floor.share)
+        })
         .always(),
         Named::number_if_any(
             "floor.contact_area_m2",
             "contact area on the floor",
-            |it: &ContactState| of_floor(it, |floor| floor.area),
+            |it: &C| of_floor(it, |floor| floor.area),
         )
         .always(),
         Named::number_if_any(
             "floor.radius_m",
             "distance between the lens axis and the farthest floor contact",
-            |it: &ContactState| it.floor.as_ref().map(|floor| floor.radius),
+            |it: &C| it.on_floor().map(|floor| floor.radius),
         )
         .in_objects()
         .decides(),
         Named::number_if_any(
             "floor.smallest_distance_to_rim_m",
             "smallest distance between the floor contact and the rim of a pillar",
-            |it: &ContactState| {
-                it.floor
-                    .as_ref()
-                    .map(|floor| floor.smallest_distance_to_rim)
-            },
+            |it: &C| it.on_floor().map(|floor| floor.smallest_distance_to_rim),
         )
         .always()
         .in_objects(),
         Named::count_if_any(
             "floor.patches",
             "number of separate floor contacts; `null` if two grids differ",
-            |it: &ContactState| {
-                let floor = it.floor.as_ref()?;
+            |it: &C| {
+                let floor = it.on_floor()?;
                 floor.patches_agree.then_some(floor.patches)
             },
         )
@@ -201,24 +224,24 @@ fn floor() -> Vec<Named<ContactState>> {
         Named::point(
             "floor.cell_m",
             "cell sides of the floor pressure; the cells rotate with the lattice",
-            |it: &ContactState| it.floor.as_ref().map(FloorContact::cell),
+            |it: &C| it.on_floor().map(FloorContact::cell),
         )
         .in_objects(),
     ]
 }
 
 /// Errors of the floor contact.
-fn floor_errors() -> [Named<ContactState>; 2] {
+pub(super) fn floor_errors<C: MayReachFloor>() -> [Named<C>; 2] {
     [
         Named::number_if_any(
             "floor.relative_error_estimate.share",
             "estimated relative error of the fraction carried by the floor",
-            |it: &ContactState| of_floor(it, |floor| floor.error.share),
+            |it: &C| of_floor(it, |floor| floor.error.share),
         ),
         Named::number_if_any(
             "floor.relative_error_estimate.contact_area",
             "estimated relative error of the area",
-            |it: &ContactState| of_floor(it, |floor| floor.error.area),
+            |it: &C| of_floor(it, |floor| floor.error.area),
         ),
     ]
     .map(Named::always)

@@ -1,7 +1,7 @@
 //! The states of a loading: the rows of its table.
 
 use super::asperities::{AsperityAnswer, largest};
-use super::contact::{common_of_states, of_floor};
+use super::contact::{MayReachFloor, common_of_states, of_floor};
 use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::surface::SurfaceAnswer;
@@ -67,17 +67,52 @@ fn place() -> [Named<Place>; 2] {
     ]
 }
 
+/// Numbers of the floor contact.
+fn floor<C: MayReachFloor>() -> [Named<C>; 4] {
+    let number = |name, meaning, of: fn(&FloorContact) -> f64| {
+        Named::number_if_any(name, meaning, move |it: &C| of_floor(it, of))
+    };
+    [
+        number(
+            "floor_force_N",
+            "force on the floor; `null` past the transition where it is ignored or not computed",
+            |it| it.force,
+        ),
+        number("floor_share", "floor force over total force", |it| it.share),
+        number("floor_contact_area_m2", "contact area on the floor", |it| {
+            it.area
+        }),
+        number(
+            "floor_radius_m",
+            "distance between the lens axis and the farthest floor contact",
+            |it| it.radius,
+        ),
+    ]
+}
+
+/// Errors of the floor contact.
+fn floor_errors<C: MayReachFloor>() -> [Named<C>; 2] {
+    let error = |name, meaning, of: fn(&FloorContact) -> f64| {
+        Named::number_if_any(name, meaning, move |it: &C| it.on_floor().map(of))
+    };
+    [
+        error(
+            "floor_share_error_estimate",
+            "estimated relative error of the fraction of the load carried by the floor",
+            |it| it.error.share,
+        ),
+        error(
+            "floor_contact_area_error_estimate",
+            "estimated relative error of the contact area on the floor",
+            |it| it.error.area,
+        ),
+    ]
+}
+
 impl Recorded for LoadingState<&ContactState> {
     const KIND: Kind = Kind::Loading;
 
     fn rows() -> Vec<Named<Self>> {
-        let floor = |name, meaning, of: fn(&FloorContact) -> f64| {
-            Named::number_if_any(name, meaning, move |it: &ContactState| of_floor(it, of))
-        };
-        let floor_error = |name, meaning, of: fn(&FloorContact) -> f64| {
-            let error = move |it: &ContactState| it.floor.as_ref().map(of);
-            Named::number_if_any(name, meaning, error)
-        };
         let contact = |rows: Vec<Named<ContactState>>| {
             rows.into_iter()
                 .map(|row| row.of_part(|it: &Self| it.answer))
@@ -107,37 +142,23 @@ impl Recorded for LoadingState<&ContactState> {
                     "smallest gap between lens and floor; past the transition negative if the floor is ignored",
                     |it: &ContactState| it.smallest_floor_gap,
                 ),
-                floor("floor_force_N", "force on the floor; `null` past the transition if it is ignored", |it| it.force),
-                floor("floor_share", "floor force over total force", |it| it.share),
-                floor("floor_contact_area_m2", "contact area on the floor", |it| it.area),
-                floor(
-                    "floor_radius_m",
-                    "distance between the lens axis and the farthest floor contact",
-                    |it| it.radius,
-                ),
-                Named::number(
-                    "force_error_estimate",
-                    "estimated relative error of the force",
-                    |it: &ContactState| it.error.force,
-                ),
-                Named::number(
-                    "contact_radius_error_estimate",
-                    "estimated relative error of the contact radius",
-                    ContactState::relative_whole_contact_radius_error,
-                ),
-                floor_error(
-                    "floor_share_error_estimate",
-                    "estimated relative error of the fraction of the load carried by the floor",
-                    |it| it.error.share,
-                ),
-                floor_error(
-                    "floor_contact_area_error_estimate",
-                    "estimated relative error of the contact area on the floor",
-                    |it| it.error.area,
-                ),
             ],
         )
         .collect();
+        rows.extend(contact(floor().into()));
+        rows.extend(contact(vec![
+            Named::number(
+                "force_error_estimate",
+                "estimated relative error of the force",
+                |it: &ContactState| it.error.force,
+            ),
+            Named::number(
+                "contact_radius_error_estimate",
+                "estimated relative error of the contact radius",
+                ContactState::relative_whole_contact_radius_error,
+            ),
+        ]));
+        rows.extend(contact(floor_errors().into()));
         rows.extend(interactions::rows());
         rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
         rows.extend(contact(common_of_states()));
@@ -227,7 +248,7 @@ impl Recorded for LoadingState<AsperityAnswer<'_>> {
             force(|it: &AsperityContact| it.force),
             Named::number(
                 "contact_area_m2",
-                "area of all contacts",
+                "area of all contacts on tops",
                 |it: &AsperityContact| it.area,
             )
             .symbol("A"),
@@ -249,7 +270,7 @@ impl Recorded for LoadingState<AsperityAnswer<'_>> {
             ),
             Named::number_if_any(
                 "smallest_floor_gap_m",
-                "smallest gap between lens and floor; negative past the transition, where the load of the floor is neglected; `null` under a plate and a cylinder",
+                "smallest gap between lens and floor; past the transition 0, or negative with adhesion, where the load of the floor is neglected; `null` under a plate and a cylinder",
                 |it: &AsperityContact| it.floor_gap.map(|floor| floor.gap),
             ),
             Named::number(
@@ -269,11 +290,14 @@ impl Recorded for LoadingState<AsperityAnswer<'_>> {
             ),
         ])
         .collect();
+        rows.extend(contact(floor().into()));
+        rows.extend(contact(floor_errors().into()));
         rows.push(Named::flag(
             "floor_out_of_reach",
             "whether the floor is certainly not reached",
             |it: &Self| it.answer.floor_is_out_of_reach(),
         ));
+        rows.extend(place().map(|row| row.of_part(|it: &Self| &it.place)));
         rows.extend(contact(common_of_states()));
         rows
     }

@@ -24,7 +24,7 @@ mod surface;
 
 pub(crate) use asperities::asperity_head;
 pub use asperities::{AsperityAnswer, AsperityCritical};
-pub use contact::of_floor;
+pub use contact::{MayReachFloor, of_floor};
 pub(crate) use flat::DISC;
 pub use flat::FlatAnswer;
 pub use gradient::GradientObject;

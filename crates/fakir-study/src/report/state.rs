@@ -2,7 +2,7 @@
 
 use super::table::list;
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, scaled, seconds, significant, with_unit};
-use crate::record::{GradientObject, Record, interactions};
+use crate::record::{GradientObject, MayReachFloor, Record, interactions};
 use fakir::Difference;
 use fakir::problem::{
     Adhesion, Arrangement, Base, Disorder, FlatSystem, Layer, LensShape, LoadingMode, Method,
@@ -400,8 +400,8 @@ impl QuantityList {
     }
 
     /// The load of the floor, if it is touched.
-    pub fn floor(&mut self, state: &ContactState) -> &mut Self {
-        let Some(floor) = &state.floor else {
+    pub fn floor(&mut self, state: &impl MayReachFloor) -> &mut Self {
+        let Some(floor) = state.on_floor() else {
             return self;
         };
         let FloorErrors { share, area } = floor.error;

@@ -4,7 +4,7 @@ use super::warnings_of;
 use crate::numbers::{LENGTH_DIGITS, significant, with_unit};
 use crate::record::AsperityAnswer;
 use crate::table::{Column, Table, Values};
-use fakir::problem::Asperity;
+use fakir::problem::{Asperity, FloorModel};
 use fakir::state::{AsperityCycle, AsperityEvent, AsperityLoadStep, AsperityState};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -17,11 +17,16 @@ const SMALL_CONTACT: f64 = 0.3;
 #[must_use]
 pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     let adhesive = !answer.field.adhesion().is_none();
-    match (answer.floor_is_out_of_reach(), adhesive) {
-        (true, false) => "left out: adhesion; the floor carries no load",
-        (true, true) => "the floor carries no load",
-        (false, false) => "neglected: adhesion, and the load of the floor if it is reached",
-        (false, true) => "neglected: the load of the floor if it is reached",
+    match (
+        answer.contact.floor.is_some(),
+        answer.neglects_floor(),
+        adhesive,
+    ) {
+        (true, _, _) => "left out: adhesion; tops and floor carry load",
+        (_, false, false) => "left out: adhesion; the floor carries no load",
+        (_, false, true) => "the floor carries no load",
+        (_, true, false) => "neglected: adhesion, and the load of the floor if it is reached",
+        (_, true, true) => "neglected: the load of the floor if it is reached",
     }
 }
 
@@ -38,18 +43,22 @@ pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
         words.push("the error could not be estimated".to_owned());
     }
     if let Some(floor) = contact.floor_gap.filter(|floor| floor.gap < 0.0) {
+        let why = match field.floor_model() {
+            FloorModel::Ignored => "its load is ignored (floor.contact = false)",
+            FloorModel::Contact => "its load is neglected under adhesive rounded tops",
+        };
         words.push(format!(
-            "the lens would be {} below the floor: its load is neglected with rounded tops; `transition` gives the load at which the floor is reached",
+            "the lens would be {} below the floor: {why}; `transition` gives the load at which the floor is reached",
             with_unit(-floor.gap, Dimension::Length, LENGTH_DIGITS)
         ));
-    } else if !answer.floor_is_out_of_reach() {
+    } else if answer.neglects_floor() {
         let what = if contact.indentation < height {
             "the lowest point of the lens, with the surface lifted by tension, may be further below the level of zero indentation than"
         } else {
             "the indentation is not below"
         };
         words.push(format!(
-            "{what} the height of the common pillar, {}: the floor may be reached, and its load is neglected with rounded tops",
+            "{what} the height of the common pillar, {}: the floor may be reached, and its load is neglected here",
             with_unit(height, Dimension::Length, LENGTH_DIGITS)
         ));
     }

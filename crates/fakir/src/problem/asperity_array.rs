@@ -6,6 +6,7 @@ use super::lens::{LensShape, Material, ShapedLens};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
+use super::system::FloorModel;
 
 /// A rounded top: a paraboloid, or a sphere with the same curvature at its summit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,6 +70,8 @@ pub struct AsperityArray {
     adhesion: Adhesion,
     /// Depth of the floor below the reference level, m.
     floor: Option<f64>,
+    /// Whether it carries load.
+    floor_model: FloorModel,
 }
 
 /// The reason why an array of asperities is invalid.
@@ -168,6 +171,7 @@ impl AsperityArray {
             interactions: Interactions::NONE,
             adhesion: Adhesion::NONE,
             floor: None,
+            floor_model: FloorModel::Contact,
         })
     }
 
@@ -207,19 +211,36 @@ impl AsperityArray {
         })
     }
 
+    /// The same array with floor contact, or without: the contact is then computed as if there were no floor, with a negative gap past the
+    /// critical state.
+    #[must_use]
+    pub fn with_floor_model(self, floor_model: FloorModel) -> Self {
+        Self {
+            floor_model,
+            ..self
+        }
+    }
+
+    /// Treatment of the floor past the critical state.
+    #[must_use]
+    pub fn floor_model(&self) -> FloorModel {
+        self.floor_model
+    }
+
     /// Depth of the floor below the reference level, m.
     #[must_use]
     pub fn floor(&self) -> Option<f64> {
         self.floor
     }
 
-    /// Whether the floor carries load past the transition: there is one, without adhesion, under a lens that comes closest to it near its
-    /// axis.
+    /// Whether the floor carries load past the transition: there is one that is not ignored, without adhesion, under a lens that
+    /// comes closest to it near its axis.
     #[must_use]
     pub fn is_floor_loaded(&self) -> bool {
         let lens = self.indenter.lens();
         let has_axis = lens.is_some_and(|lens| !lens.is_flat() && lens.is_axisymmetric());
-        self.floor.is_some() && has_axis && self.adhesion.is_none()
+        let has_contact = self.floor.is_some() && self.floor_model == FloorModel::Contact;
+        has_contact && has_axis && self.adhesion.is_none()
     }
 
     /// The interactions that do not change the normal contact.
