@@ -14,6 +14,7 @@ from . import _fakir
 from ._bodies import AnyLens, Substrate, lens_of, refuse_layers
 from ._cycle import Adhesion, Drive, plan_with_end
 from ._design import SEED
+from ._floor import FloorContact
 from ._format import Row, engineering
 from ._history import Viscoelastic
 from ._numbers import AsperityCycleNumbers, AsperityPressNumbers, AsperityTransitionNumbers
@@ -109,7 +110,7 @@ class AsperityArray(Viscoelastic):
             given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
             if given.floor:
                 raise ValueError(
-                    "floor contact is not computed under rounded tops: leave floor=True out"
+                    "floor contact under rounded tops is not computed with adhesion: leave floor=True out"
                 )
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
@@ -211,8 +212,9 @@ class AsperityArray(Viscoelastic):
     ) -> AsperityContact:
         """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
-        The indentation is zero where the indenter is level with the reference height. The floor is neglected. With adhesion the
-        result is the contact on loading, from first touch on.
+        The indentation is zero where the indenter is level with the reference height. Past the transition the
+        floor carries load too, without adhesion under a lens that comes closest to it near its axis. With adhesion the floor is
+        neglected, and the result is the contact on loading, from first touch on.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_asperities(self._asperities, *load(indentation, force), run)
@@ -309,11 +311,15 @@ class AsperityContact(AsperityPressNumbers):
     """Force on every top, N."""
     gap: FloatArray
     """Gap above every top that is not touched, m; 0 for the others."""
+    floor: FloorContact | None
+    """The contact with the floor; None before the transition, and past it with adhesion."""
 
     def __init__(self, tops: AsperityArray, contact: _fakir.AsperityContact) -> None:
         super().__init__(contact)
         self.tops, self._contact = tops, contact
         self._columns = dict(contact.pillars())
+        cells = contact.floor_cells()
+        self.floor = None if cells is None else FloorContact(self, cells)
         self.x, self.y, self.radius, self.forces, self.gap = (
             np.asarray(self._columns[name], dtype=np.float64)
             for name in ["centre_x_m", "centre_y_m", "contact_radius_m", "force_N", "gap_m"]
@@ -329,7 +335,7 @@ class AsperityContact(AsperityPressNumbers):
     def surface_gap(
         self, x: object, y: object, *, threads: int = 1, memory_limit: int | None = None
     ) -> Any:
-        """Gap (m) between the lens and the top below it, or the floor between the tops, which is not touched."""
+        """Gap (m) between the lens and the top below it, or the floor between the tops."""
         return self._field(1, x, y, threads, memory_limit)
 
     def displacement(
@@ -362,7 +368,8 @@ class AsperityContact(AsperityPressNumbers):
             ("contact area", f"{self.contact_area * 1e12:.5g} µm²"),
             ("tops in contact", f"{self.pillars_in_contact} of {len(self.tops)}"),
             *known,
-            ("left out", ", ".join(self.left_out)),
+            *([] if self.floor is None else self.floor._share_rows()),
+            ("left out", ", ".join(self.left_out) or "nothing"),
             ("solution", self.termination),
         ]
 

@@ -53,7 +53,7 @@ GROUPS = {
 }
 """Named tuples by kind and attribute, or by attribute; the others are named by both."""
 
-OBJECTS = {"press.floor": "FloorNumbers"}
+OBJECTS = {"press.floor": "FloorNumbers", "asperity_press.floor": "FloorNumbers"}
 """Groups with more than numbers: their classes are written by hand and derived from these."""
 
 FAMILIES = {"Contact": "press", "Critical": "transition"}

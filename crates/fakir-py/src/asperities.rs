@@ -5,7 +5,7 @@ use crate::error::{
     PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
 use crate::load::{load, plan};
-use crate::samples::{Field, arrays, points};
+use crate::samples::{Field, arrays, floor_cells, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
@@ -227,6 +227,11 @@ impl AsperityContact {
     /// The columns of `pillars.csv`.
     fn pillars<'py>(&self, py: Python<'py>) -> PyResult<PyColumns<'py>> {
         columns(py, &asperity_pillars(self.answer()))
+    }
+
+    /// Centres of the floor cells in contact along x and y (m), and the pressure on each (Pa); `None` if the floor carries no load.
+    fn floor_cells<'py>(&self, py: Python<'py>) -> Option<[Field<'py>; 3]> {
+        Some(floor_cells(py, self.contact.floor.as_ref()?))
     }
 
     /// Displacement, gap and pressure at points, m from the lens axis.

@@ -4,7 +4,7 @@ use crate::answer::{Answer, warnings};
 use crate::case::Case;
 use crate::error::{approach_error, solve_error};
 use crate::load::{load, load_or_critical, path, plan};
-use crate::samples::{Field, arrays, points};
+use crate::samples::{Field, arrays, floor_cells, points};
 use crate::study::columns;
 use crate::watched::{Options, watched};
 use fakir::problem::{ElementMesh, Method, Point};
@@ -28,13 +28,7 @@ pub(crate) struct State {
 impl State {
     /// Centres of the floor cells in contact along x and y (m), and the pressure on each (Pa); `None` if the floor carries no load.
     fn floor_cells<'py>(&self, py: Python<'py>) -> Option<[Field<'py>; 3]> {
-        let floor = self.state.floor.as_ref()?;
-        let along = |axis: usize| floor.centres().map(move |centre| centre[axis]);
-        Some([
-            PyArray1::from_iter(py, along(0)),
-            PyArray1::from_iter(py, along(1)),
-            PyArray1::from_slice(py, &floor.pressure),
-        ])
+        Some(floor_cells(py, self.state.floor.as_ref()?))
     }
 
     #[getter]
