@@ -5,6 +5,7 @@ use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::flat::FlatCase;
+use crate::key::Key;
 use crate::support::SurfaceKind;
 use fakir::problem::{Feature, Interactions, Question, Solver};
 
@@ -39,6 +40,16 @@ impl AnyCase {
             Self::Asperities(case) => *case.field.interactions(),
             Self::Flat(case) => *case.system.interactions(),
             Self::HeightMap(file) => file.interactions().unwrap_or_default(),
+        }
+    }
+
+    /// Finite number of a key of pillars, in SI units; `None` if the case has none, and for other surfaces.
+    #[must_use]
+    pub fn number(&self, key: Key) -> Option<f64> {
+        match self {
+            Self::Pillars(case) => case.number(key),
+            Self::Asperities(case) => case.number(key),
+            Self::HeightMap(_) | Self::Flat(_) => None,
         }
     }
 

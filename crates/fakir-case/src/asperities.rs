@@ -1,6 +1,6 @@
 //! Cases whose pillars have rounded tops.
 
-use crate::case::{Spacing, write_toml};
+use crate::case::{Spacing, bounds_beside, write_toml};
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
@@ -9,9 +9,10 @@ use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
     Accuracy, Asperity, AsperityArray, FloorModel, Indenter, InvalidAsperities, InvalidQuantity,
-    LensForm, Material, PillarCompliance, Point, Question, ShapedLens, Solver,
+    LensForm, Material, PillarCompliance, PlaneLattice, Point, Question, ShapedLens, Solver,
 };
 use std::f64::consts::PI;
+use std::ops::Bound;
 
 /// Largest number of pillars with rounded tops: all pillars in contact are solved together.
 const MOST_PILLARS: usize = 20_000;
@@ -38,6 +39,10 @@ pub struct AsperityCase {
     compliance: PillarCompliance,
     /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
+    /// The finite numbers among them, in SI units.
+    numbers: Vec<(Key, f64)>,
+    /// The finite lattice of the pillars; none if they are listed.
+    lattice: Option<PlaneLattice>,
     /// Keys of a lens and their values; empty for a level plate.
     lens: Vec<(Key, Setting)>,
 }
@@ -110,16 +115,18 @@ impl AsperityCase {
                 .filter(|key| [Part::Interactions, Part::InteractionsOnFloor].contains(&key.part()))
                 .filter(|key| !(key.row().unwritten)(&parts)),
         );
-        let settings = keys.into_iter();
-        let settings = settings.map(|key| (key, key.written(&key.get(&mut parts))));
-        let of_lens = lens.iter().map(|(key, value)| (*key, key.written(value)));
+        let of_keys = keys.into_iter().map(|key| (key, key.get(&mut parts)));
+        let given: Vec<(Key, Setting)> = of_keys.chain(lens.iter().cloned()).collect();
+        let settings = given.iter().map(|(key, value)| (*key, key.written(value)));
         let raised: Vec<f64> = field
             .asperities()
             .iter()
             .map(|asperity| asperity.raised)
             .collect();
         let made = Self {
-            settings: settings.chain(of_lens).collect(),
+            settings: settings.collect(),
+            numbers: given.iter().filter_map(finite).collect(),
+            lattice: None,
             lens,
             field,
             accuracy,
@@ -156,6 +163,51 @@ impl AsperityCase {
     pub(crate) fn value(&self, key: Key) -> Option<String> {
         let setting = self.settings.iter().find(|(given, _)| *given == key);
         setting.map(|(_, value)| value.clone())
+    }
+
+    /// Finite number of a key, in SI units; `None` if the key was not given. The pitch of a lattice has a number also if its surface
+    /// fraction was given.
+    #[must_use]
+    pub fn number(&self, key: Key) -> Option<f64> {
+        let mut numbers = self.numbers.iter();
+        let given = numbers.find(|(given, _)| *given == key);
+        let of_lattice = || {
+            let lattice = self.lattice.filter(|_| key == Key::Pitch)?;
+            Some(lattice.form.pitch())
+        };
+        given.map(|(_, value)| *value).or_else(of_lattice)
+    }
+
+    /// Smallest and largest valid number of a key for fixed values of all other keys, in SI units.
+    #[must_use]
+    pub fn allowed(&self, key: Key) -> (Bound<f64>, Bound<f64>) {
+        bounds_beside(
+            key,
+            |other| self.number(other),
+            |other| {
+                let mut numbers = self.numbers.iter();
+                let given = numbers.find(|(given, _)| *given == other);
+                given.map(|(_, value)| *value)
+            },
+        )
+    }
+
+    /// The finite lattice of the pillars, with their scatter; `None` for listed pillars.
+    #[must_use]
+    pub fn lattice(&self) -> Option<PlaneLattice> {
+        self.lattice
+    }
+
+    /// Smallest distance of neighbouring tops, m; 0 of a single one.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        let asperities = self.field.asperities();
+        let places = asperities.iter().enumerate();
+        let distances = places.flat_map(|(place, one)| {
+            let others = asperities[place + 1..].iter();
+            others.map(|other| (one.apex[0] - other.apex[0]).hypot(one.apex[1] - other.apex[1]))
+        });
+        distances.reduce(f64::min).unwrap_or(0.0)
     }
 
     /// Keys of the lens and their values; empty for a level plate.
@@ -227,6 +279,14 @@ impl AsperityCase {
     }
 }
 
+/// A key with its value, if that is a finite number.
+fn finite((key, value): &(Key, Setting)) -> Option<(Key, f64)> {
+    match value {
+        Setting::Number(value) if value.is_finite() => Some((*key, *value)),
+        _ => None,
+    }
+}
+
 /// The tops above a floor at the foot of the common pillar; without a floor if that has no height.
 fn above_floor(field: AsperityArray, height: f64) -> Result<AsperityArray, InvalidQuantity> {
     if height > 0.0 {
@@ -264,7 +324,7 @@ impl CaseFile {
     /// [`CaseError`] for a missing key or an invalid value, an infinite lattice, a method other than the spectral one, and pillars that
     /// cannot be read or that overlap.
     pub fn asperity_case(&self) -> Result<AsperityCase, CaseError> {
-        let parts = self.parts(Part::OF_PILLARS)?;
+        let mut parts = self.parts(Part::OF_PILLARS)?;
         let pillar = parts.pattern.pillar;
         if !self.is_rounded() {
             return Err(self.missing(Key::TopRadius));
@@ -309,7 +369,8 @@ impl CaseFile {
                 .with_interactions(parts.interactions)
                 .map_err(InvalidAsperities::Body)
         };
-        let (field, height) = match self.lattice_pillars(&parts)? {
+        let (lattice, pillars) = self.lattice_pillars(&parts)?.unzip();
+        let (field, height) = match pillars {
             Some(pillars) => {
                 self.check_number(Key::Columns, pillars.len())?;
                 let field = field(&pillars, pillar.height);
@@ -347,11 +408,17 @@ impl CaseFile {
             .and_then(|field| above_floor(field, height))
             .map_err(|invalid| self.impossible(&invalid))?
             .with_floor_model(parts.pattern.floor);
+        let keys = self.entries.keys.keys();
+        let numbers = keys
+            .filter_map(|key| finite(&(*key, key.get(&mut parts))))
+            .collect();
         Ok(AsperityCase {
             field,
             accuracy: parts.method.accuracy,
             height,
             compliance: pillar.compliance,
+            numbers,
+            lattice,
             settings: self.settings(parts),
             lens,
         })
@@ -386,9 +453,11 @@ impl CaseFile {
         Ok(())
     }
 
-    /// x and y relative to the lens axis, height and diameter of the pillars of a lattice, m; `None` for
-    /// listed pillars.
-    fn lattice_pillars(&self, parts: &Parts) -> Result<Option<Vec<[f64; 4]>>, CaseError> {
+    /// A lattice with x and y relative to the lens axis, height and diameter of its pillars, m; `None` for listed pillars.
+    fn lattice_pillars(
+        &self,
+        parts: &Parts,
+    ) -> Result<Option<(PlaneLattice, Vec<[f64; 4]>)>, CaseError> {
         let pattern = &parts.pattern;
         let diameter = pattern.pillar.diameter;
         let spacing = self.spacing(pattern)?;
@@ -418,7 +487,7 @@ impl CaseFile {
             };
             let row =
                 |([x, y], ratio): (Point, f64)| [x, y, ratio * pattern.pillar.height, diameter];
-            return Ok(Some(pillars.into_iter().map(row).collect()));
+            return Ok(Some((lattice, pillars.into_iter().map(row).collect())));
         }
         self.check_number(Key::Columns, usize::MAX)?;
         Ok(None)

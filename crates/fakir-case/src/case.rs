@@ -167,25 +167,11 @@ impl Case {
     /// Smallest and largest valid number of a key for fixed values of all other keys, in SI units.
     #[must_use]
     pub fn allowed(&self, key: Key) -> (Bound<f64>, Bound<f64>) {
-        let (mut least, mut greatest) = key.bounds();
-        let number = |other: Key| self.number(other);
-        match key.range() {
-            Some(Range::AtLeast(other)) => least = number(other).map_or(least, Included),
-            Some(Range::Below(other)) => greatest = number(other).map_or(greatest, Excluded),
-            _ => {}
-        }
-        // The valid range of another given key may depend on this one.
-        for other in Key::ALL {
-            match (other.range(), self.setting(other)) {
-                (Some(Range::AtLeast(limit)), Some(Setting::Number(value))) if limit == key => {
-                    greatest = Included(value);
-                }
-                (Some(Range::Below(limit)), Some(Setting::Number(value))) if limit == key => {
-                    least = Excluded(value);
-                }
-                _ => {}
-            }
-        }
+        let given = |other: Key| match self.setting(other) {
+            Some(Setting::Number(value)) => Some(value),
+            _ => None,
+        };
+        let (mut least, mut greatest) = bounds_beside(key, |other| self.number(other), given);
         // A film is at least as thick as pillars are high, and a layer as a quarter of their diameter.
         let system = &self.system;
         let layers = [system.substrate_layer(), system.lens_layer()];
@@ -211,6 +197,31 @@ impl Case {
     pub fn value(&self, key: Key) -> Option<String> {
         self.setting(key).map(|value| key.written(&value))
     }
+}
+
+/// Smallest and largest valid number of a key beside other keys, from their numbers and from those of the given ones.
+pub(crate) fn bounds_beside(
+    key: Key,
+    number: impl Fn(Key) -> Option<f64>,
+    given: impl Fn(Key) -> Option<f64>,
+) -> (Bound<f64>, Bound<f64>) {
+    let (mut least, mut greatest) = key.bounds();
+    match key.range() {
+        Some(Range::AtLeast(other)) => least = number(other).map_or(least, Included),
+        Some(Range::Below(other)) => greatest = number(other).map_or(greatest, Excluded),
+        _ => {}
+    }
+    // The valid range of another given key may depend on this one.
+    for other in Key::ALL {
+        match (other.range(), given(other)) {
+            (Some(Range::AtLeast(limit)), Some(value)) if limit == key => {
+                greatest = Included(value);
+            }
+            (Some(Range::Below(limit)), Some(value)) if limit == key => least = Excluded(value),
+            _ => {}
+        }
+    }
+    (least, greatest)
 }
 
 /// Text of a case file with all keys for which `value` returns a value, each with its meaning as a comment.

@@ -18,10 +18,13 @@
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{CyclePlan, Load, Method, Question};
-use fakir::state::{ContactState, CriticalState, Cycle, Run, Solution, SolveError};
+use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens};
+use fakir::state::{
+    AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FloorContact,
+    Run, Solution, SolveError,
+};
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Case, CaseError, CaseFile, Key};
+use fakir_case::{AnyCase, CaseError, CaseFile, Key};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
 use std::ops::Bound;
@@ -64,18 +67,14 @@ impl Wanted {
     /// The same quantity of a contact. Without floor contact the floor share is zero.
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
-        match (self, reached) {
-            (Self::PullOff { .. }, Reached::PulledOff(cycle)) => {
-                let pull_off = cycle.pull_off.as_ref();
-                pull_off.map_or(0.0, |pull_off| -pull_off.force)
-            }
-            (Self::Force(_) | Self::PullOff { .. }, _) => reached.contact().force,
-            (Self::ContactRadius(_), Reached::Critical(critical)) => critical.contact_radius(),
-            (Self::ContactRadius(_), _) => reached.contact().contact_radius,
-            (Self::FloorShare { .. }, _) => {
-                let floor = reached.contact().floor.as_ref();
-                floor.map_or(0.0, |floor| floor.share)
-            }
+        match self {
+            Self::Force(_) => reached.force(),
+            Self::PullOff { .. } => match reached.pull_off() {
+                Some(PulledOff { force, .. }) => -force,
+                None => reached.force(),
+            },
+            Self::ContactRadius(_) => reached.contact_radius(),
+            Self::FloorShare { .. } => reached.floor().map_or(0.0, |floor| floor.share),
         }
     }
 
@@ -144,7 +143,7 @@ impl Wanted {
         if !self.is_share() {
             return ratio.ln();
         }
-        match &reached.contact().floor {
+        match reached.floor() {
             Some(_) => ratio.powf(SHARE_POWER) - 1.0,
             // A lens below the level of the floor without floor force is not nearer to the floor
             // share.
@@ -155,10 +154,10 @@ impl Wanted {
     /// Estimated error of the deviation, if it is relevant: critical states are far more accurate
     /// than samples can be manufactured.
     fn excess_error(self, reached: &Reached) -> f64 {
-        if let Reached::PulledOff(cycle) = reached {
-            return cycle.errors.pull_off_force.numerical();
+        if let Some(pull_off) = reached.pull_off() {
+            return pull_off.error;
         }
-        match &reached.contact().floor {
+        match reached.floor() {
             Some(floor) if self.is_share() => {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
                 slope * floor.error.share
@@ -188,29 +187,97 @@ pub enum Reached {
     Pressed(ContactState),
     /// The cycle of a target pull-off force.
     PulledOff(Box<Cycle>),
+    /// The critical state of rounded tops.
+    CriticalOfTops(Box<Critical<AsperityContact>>),
+    /// The cycle of rounded tops of a target pull-off force.
+    PulledOffTops(Box<AsperityCycle>),
+}
+
+/// Pull-off of a cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PulledOff {
+    /// Force, N, negative; zero without tension.
+    pub force: f64,
+    /// Its estimated numerical error relative to it.
+    pub error: f64,
 }
 
 impl Reached {
-    /// The contact, critical or not; for a cycle, the contact at the largest load.
+    /// The contact with flat tops, critical or not; for a cycle, the contact at the largest load. `None` for rounded tops.
     #[must_use]
-    pub fn contact(&self) -> &ContactState {
+    pub fn contact(&self) -> Option<&ContactState> {
         match self {
-            Self::Critical(critical) => &critical.contact,
-            Self::Pressed(contact) => contact,
-            Self::PulledOff(cycle) => &cycle.turn,
+            Self::Critical(critical) => Some(&critical.contact),
+            Self::Pressed(contact) => Some(contact),
+            Self::PulledOff(cycle) => Some(&cycle.turn),
+            Self::CriticalOfTops(_) | Self::PulledOffTops(_) => None,
         }
     }
 
-    /// Smallest gap between lens and floor over the height of the pillars.
+    /// Normal force of the contact, N; for a cycle, at the end of the loading.
+    #[must_use]
+    pub fn force(&self) -> f64 {
+        match self {
+            Self::Critical(critical) => critical.contact.force,
+            Self::Pressed(contact) => contact.force,
+            Self::PulledOff(cycle) => cycle.turn.force,
+            Self::CriticalOfTops(critical) => critical.contact.force,
+            Self::PulledOffTops(cycle) => cycle.turn.force,
+        }
+    }
+
+    /// Its contact radius, m, which contains the floor contact of a critical state.
+    #[must_use]
+    pub fn contact_radius(&self) -> f64 {
+        match self {
+            Self::Critical(critical) => critical.contact_radius(),
+            Self::Pressed(contact) => contact.contact_radius,
+            Self::PulledOff(cycle) => cycle.turn.contact_radius,
+            Self::CriticalOfTops(critical) => critical.contact_radius(),
+            Self::PulledOffTops(cycle) => cycle.turn.contact_radius.unwrap_or(0.0),
+        }
+    }
+
+    /// Pull-off of a cycle; `None` for a contact.
+    #[must_use]
+    pub fn pull_off(&self) -> Option<PulledOff> {
+        let (force, error) = match self {
+            Self::PulledOff(cycle) => (
+                cycle.pull_off.as_ref().map(|pull_off| pull_off.force),
+                cycle.errors.pull_off_force.numerical(),
+            ),
+            Self::PulledOffTops(cycle) => (
+                cycle.pull_off.as_ref().map(|contact| contact.force),
+                cycle.errors.pull_off_force,
+            ),
+            Self::Critical(_) | Self::Pressed(_) | Self::CriticalOfTops(_) => return None,
+        };
+        Some(PulledOff {
+            force: force.unwrap_or(0.0),
+            error,
+        })
+    }
+
+    /// Contact on the floor; `None` without, and under rounded tops.
+    #[must_use]
+    pub fn floor(&self) -> Option<&FloorContact> {
+        self.contact()?.floor.as_ref()
+    }
+
+    /// Smallest gap between lens and floor over the height of the pillars; infinite for rounded tops, whose floor share is not computed.
     fn to_the_floor(&self) -> f64 {
-        let contact = self.contact();
-        contact.smallest_floor_gap / contact.system.pillar().height
+        self.contact().map_or(f64::INFINITY, |contact| {
+            contact.smallest_floor_gap / contact.system.pillar().height
+        })
     }
 
     fn solution(&self) -> &dyn Solution {
         match self {
+            Self::Critical(critical) => &critical.contact,
+            Self::Pressed(contact) => contact,
             Self::PulledOff(cycle) => cycle.as_ref(),
-            _ => self.contact(),
+            Self::CriticalOfTops(critical) => &critical.contact,
+            Self::PulledOffTops(cycle) => cycle.as_ref(),
         }
     }
 
@@ -227,7 +294,7 @@ pub struct Candidate {
     /// Value of the free parameter, in SI units.
     pub value: f64,
     /// The case with this value.
-    pub case: Case,
+    pub case: AnyCase,
     /// Its critical state, its contact under the load, or its cycle.
     pub reached: Reached,
 }
@@ -311,14 +378,14 @@ impl Answer {
 
     /// Value of the target quantity for the candidate, with its significant digits.
     fn answer_of(&self, candidate: &Candidate) -> String {
-        let floor = candidate.reached.contact().floor.as_ref();
+        let floor = candidate.reached.floor();
         let digits = match self.wanted {
             Wanted::Force(_) => DIGITS,
             Wanted::ContactRadius(_) => LENGTH_DIGITS,
-            Wanted::PullOff { .. } => match &candidate.reached {
-                Reached::PulledOff(cycle) => digits(cycle.errors.pull_off_force.numerical()),
-                _ => 1,
-            },
+            Wanted::PullOff { .. } => {
+                let pull_off = candidate.reached.pull_off();
+                pull_off.map_or(1, |pull_off| digits(pull_off.error))
+            }
             Wanted::FloorShare { .. } => {
                 floor.map_or(1, |floor| digits(floor.error.share).min(DIGITS))
             }
@@ -456,10 +523,7 @@ pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
     let is_made = |key: &Key| {
         let dimension = key.dimension();
-        // The search supports flat tops only.
-        key.is_positive()
-            && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
-            && *key != Key::TopRadius
+        key.is_positive() && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
     };
     keys.filter(|key| is_made(key) && !key.is_of_surface())
         .collect()
@@ -550,10 +614,11 @@ pub fn design(
         _ => {}
     }
     let first = first_value(file, free)?;
-    let case = changed(file, free, first).case_for(wanted.questions())?;
-    if wanted.is_pull_off() && case.system.adhesion().is_none() {
+    let case = changed(file, free, first).any_case(wanted.questions())?;
+    if wanted.is_pull_off() && !case.is_adhesive() {
         return Err(DesignError::NoAdhesion);
     }
+    let is_flat = matches!(case, AnyCase::Pillars(_));
     let mut search = Search {
         file,
         free,
@@ -561,9 +626,10 @@ pub fn design(
         run,
         range: range(free, first, &case),
         method: Some(Method::Homogenised),
+        has_outlines: is_flat && !wanted.is_coarse(),
     };
-    let estimate = if wanted.is_pull_off() {
-        // The homogenised lattice has no adhesion.
+    let estimate = if !is_flat || wanted.is_pull_off() {
+        // The homogenised lattice has no adhesion and no rounded tops.
         None
     } else {
         search.estimate(first)?
@@ -610,13 +676,13 @@ fn changed(file: &CaseFile, key: Key, value: f64) -> CaseFile {
 }
 
 /// The case with such a value.
-pub(crate) fn with(file: &CaseFile, key: Key, value: f64) -> Result<Case, CaseError> {
-    changed(file, key, value).case()
+fn with(file: &CaseFile, key: Key, value: f64) -> Result<AnyCase, CaseError> {
+    changed(file, key, value).any_case(&[])
 }
 
 /// Start: the value in the case file, or a value in proportion to the others.
 fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
-    let case = file.case();
+    let case = file.any_case(&[]);
     let given = case.as_ref().ok().and_then(|case| case.number(free));
     if let Some(value) = given {
         return Ok(value);
@@ -643,13 +709,17 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
 const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 
 /// Range of the search: all valid values, up to a factor of a million from the start.
-fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
+fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
     /// Largest thickness in widths of the lens; beyond, a thickness has no measurable effect.
     const THICKEST: f64 = 1e3;
     /// Relative distance from a bound that is not valid itself.
     const MARGIN: f64 = 1e-3;
-    let (least, greatest) = case.allowed(free);
+    let (least, greatest) = match case {
+        AnyCase::Pillars(case) => case.allowed(free),
+        AnyCase::Asperities(case) => case.allowed(free),
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => free.bounds(),
+    };
     let least = match least {
         Bound::Included(least) => least,
         Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
@@ -668,7 +738,8 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
         }
         Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest.max(first))],
         Key::SurfaceFraction => {
-            let part = case.system.pillar().diameter / widest;
+            let diameter = case.number(Key::PillarDiameter).unwrap_or(widest);
+            let part = diameter / widest;
             [(greatest * part * part).min(first), greatest]
         }
         _ => [least, greatest],
@@ -676,11 +747,20 @@ fn range(free: Key, first: f64, case: &Case) -> [f64; 2] {
 }
 
 /// Width of the lens, m.
-fn widest(case: &Case) -> f64 {
+fn widest(case: &AnyCase) -> f64 {
     /// Assumed width of a plate, which is unlimited.
     const LARGEST_PITCHES: f64 = 1e6;
-    let widest = case.system.lens().widest();
-    widest.min(LARGEST_PITCHES * case.system.pitch())
+    let (widest, pitch) = match case {
+        AnyCase::Pillars(case) => (case.system.lens().widest(), case.system.pitch()),
+        AnyCase::Asperities(case) => {
+            let lens = case.field.indenter().lens();
+            let pitch = Some(case.spacing()).filter(|spacing| *spacing > 0.0);
+            let widest = lens.map_or(f64::INFINITY, ShapedLens::widest);
+            (widest, pitch.unwrap_or(2.0 * case.height))
+        }
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => (f64::INFINITY, f64::INFINITY),
+    };
+    widest.min(LARGEST_PITCHES * pitch)
 }
 
 struct Search<'a> {
@@ -691,6 +771,8 @@ struct Search<'a> {
     range: [f64; 2],
     /// Method of the trials if it differs from that of the case.
     method: Option<Method>,
+    /// Whether the homogenised lattice is an estimate of the contacts of the case.
+    has_outlines: bool,
 }
 
 /// The contact at one value.
@@ -726,7 +808,7 @@ impl Trial {
     fn limit(&self) -> Limit {
         match &self.outcome {
             Err(limit) => limit.clone(),
-            Ok(candidate) if candidate.reached.contact().force <= 0.0 => Limit::FloorFirst,
+            Ok(candidate) if candidate.reached.force() <= 0.0 => Limit::FloorFirst,
             Ok(_) => Limit::Range,
         }
     }
@@ -763,7 +845,7 @@ impl Search<'_> {
     fn trial(&self, position: f64) -> Result<Trial, DesignError> {
         let value = clamped(position.exp(), self.range[0], self.range[1]);
         if self.method.is_none()
-            && !self.wanted.is_coarse()
+            && self.has_outlines
             && let Ok(outline) = self.trial_by(Some(Method::Homogenised), value)
             && self.is_clear(&outline, value)?
         {
@@ -780,14 +862,17 @@ impl Search<'_> {
     fn is_clear(&self, outline: &Trial, value: f64) -> Result<bool, DesignError> {
         Ok(match &outline.outcome {
             Ok(candidate) => {
-                let pillars = candidate.reached.contact().pillars_in_contact;
-                pillars > MANY_PILLARS && outline.excess.abs() > CLEAR
+                let contact = candidate.reached.contact();
+                let is_wide = contact.is_some_and(|it| it.pillars_in_contact > MANY_PILLARS);
+                is_wide && outline.excess.abs() > CLEAR
             }
             // With this many pillars its contact radius is accurate to one per cent.
             Err(Limit::Solver(SolveError::ContactExceedsLens { lens_radius, .. })) => {
                 let case = with(self.file, self.free, value)?;
-                let widest = 0.5 * lens_radius / case.system.pitch();
-                widest * widest > MANY_PILLARS as f64
+                case.pattern().is_some_and(|case| {
+                    let widest = 0.5 * lens_radius / case.system.pitch();
+                    widest * widest > MANY_PILLARS as f64
+                })
             }
             Err(_) => false,
         })
@@ -795,7 +880,7 @@ impl Search<'_> {
 
     fn trial_by(&self, method: Option<Method>, value: f64) -> Result<Trial, DesignError> {
         let mut case = with(self.file, self.free, value)?;
-        if let Some(method) = method {
+        if let (Some(method), AnyCase::Pillars(case)) = (method, &mut case) {
             case.method = method;
         }
         if self.wanted.is_pull_off() && self.has_many_pillars(&case)? {
@@ -806,20 +891,7 @@ impl Search<'_> {
                 error: 0.0,
             });
         }
-        let reached = match self.wanted {
-            Wanted::FloorShare { load, .. } => {
-                fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
-            }
-            Wanted::PullOff { load, .. } => {
-                let plan = CyclePlan {
-                    turn: load.into(),
-                    ..CyclePlan::default()
-                };
-                fakir::cycle(&case.system, plan, case.method, self.run)
-                    .map(|cycle| Reached::PulledOff(Box::new(cycle)))
-            }
-            _ => fakir::transition(&case.system, case.method, self.run).map(Reached::Critical),
-        };
+        let reached = self.reached(&case);
         let outcome = match reached {
             Ok(reached) if !reached.solution().converged() => {
                 return Err(DesignError::NotConverged {
@@ -836,7 +908,10 @@ impl Search<'_> {
                 error @ (SolveError::ContactExceedsLens { .. }
                 | SolveError::ProfileEnds { .. }
                 | SolveError::TooLarge { .. }
-                | SolveError::PatternTooDense { .. }),
+                | SolveError::PatternTooDense { .. }
+                | SolveError::ContactsMerge { .. }
+                | SolveError::TouchedAtRim { .. }
+                | SolveError::FloorCovered),
             ) => Err(Limit::Solver(error)),
             // Memory for the grid on the floor of wide lattices.
             Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => {
@@ -864,8 +939,43 @@ impl Search<'_> {
         })
     }
 
+    /// The contact to which the target applies.
+    fn reached(&self, case: &AnyCase) -> Result<Reached, SolveError> {
+        let plan = |load: Load| CyclePlan {
+            turn: load.into(),
+            ..CyclePlan::default()
+        };
+        match (case, self.wanted) {
+            (AnyCase::Pillars(case), Wanted::FloorShare { load, .. }) => {
+                fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
+            }
+            (AnyCase::Pillars(case), Wanted::PullOff { load, .. }) => {
+                fakir::cycle(&case.system, plan(load), case.method, self.run)
+                    .map(|cycle| Reached::PulledOff(Box::new(cycle)))
+            }
+            (AnyCase::Pillars(case), _) => {
+                fakir::transition(&case.system, case.method, self.run).map(Reached::Critical)
+            }
+            (AnyCase::Asperities(case), Wanted::PullOff { load, .. }) => {
+                let cycle = case.field.cycle(plan(load), case.accuracy, self.run)?;
+                Ok(Reached::PulledOffTops(Box::new(cycle)))
+            }
+            (AnyCase::Asperities(case), Wanted::Force(_) | Wanted::ContactRadius(_)) => {
+                let critical = case.field.transition(case.accuracy, self.run)?;
+                Ok(Reached::CriticalOfTops(Box::new(critical)))
+            }
+            // Their floor share is refused before, as are other surfaces.
+            (AnyCase::Asperities(_) | AnyCase::HeightMap(_) | AnyCase::Flat(_), _) => {
+                Err(SolveError::NoFloor)
+            }
+        }
+    }
+
     /// Whether, according to the homogenised lattice, too many pillars are in contact at the transition for a cycle.
-    fn has_many_pillars(&self, case: &Case) -> Result<bool, DesignError> {
+    fn has_many_pillars(&self, case: &AnyCase) -> Result<bool, DesignError> {
+        let Some(case) = case.pattern() else {
+            return Ok(false);
+        };
         let system = case.system.without_adhesion();
         match fakir::transition(&system, Method::Homogenised, self.run) {
             Ok(critical) => Ok(critical.contact.pillars_in_contact > MANY_PILLARS),
@@ -878,7 +988,9 @@ impl Search<'_> {
     /// Solves the candidate with the method of the case, if the search used an estimate. Returns a nearby
     /// candidate if the contact is slightly wider than estimated and cannot be solved.
     fn exactly(&self, candidate: Candidate) -> Result<Candidate, DesignError> {
-        if candidate.case.method == with(self.file, self.free, candidate.value)?.method {
+        let method = |case: &AnyCase| case.pattern().map(|case| case.method);
+        let case = with(self.file, self.free, candidate.value)?;
+        if method(&candidate.case) == method(&case) {
             return Ok(candidate);
         }
         let mut failure = None;
@@ -1124,6 +1236,11 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fakir_case::Case;
+
+    fn flat(case: &AnyCase) -> &Case {
+        case.pattern().unwrap()
+    }
 
     fn paper(surface_fraction: f64) -> CaseFile {
         let mut file = CaseFile::parse("paper", &Case::example().to_toml()).unwrap();
@@ -1152,7 +1269,10 @@ mod tests {
                 file.set_number(Key::Pitch, case.system.pitch());
                 file
             };
-            for free in free_keys().into_iter().filter(|key| !key.is_of_layers()) {
+            for free in free_keys()
+                .into_iter()
+                .filter(|key| !key.is_of_layers() && *key != Key::TopRadius)
+            {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
                     Key::PitchY => rectangular(surface_fraction),
@@ -1180,7 +1300,7 @@ mod tests {
                     assert!(error < 1e-6, "{}: {error:e}", free.path());
                 }
                 // The case file of the result gives the target force.
-                let written = CaseFile::parse("found", &found.case.to_toml())
+                let written = CaseFile::parse("found", &flat(&found.case).to_toml())
                     .unwrap()
                     .case()
                     .unwrap();
@@ -1231,6 +1351,7 @@ mod tests {
         let forces: Vec<f64> = (0..40)
             .filter_map(|k| {
                 let case = with(&file, Key::Pitch, 6e-6 * 1.1f64.powi(k)).unwrap();
+                let case = flat(&case);
                 fakir::transition(&case.system, case.method, &run).ok()
             })
             .map(|critical| critical.contact.force)
@@ -1243,7 +1364,7 @@ mod tests {
             panic!("half the least force cannot be had");
         };
         assert_eq!(limit, Limit::Range);
-        let force = nearest.reached.contact().force;
+        let force = nearest.reached.force();
         assert!(force < least * 1.001 && force > 0.9 * least);
     }
 
@@ -1267,7 +1388,7 @@ mod tests {
             (Key::SubstrateYoungModulus, 0.1, Load::Force(1e-3)),
         ] {
             let candidate = found(&paper(0.03), free, Wanted::FloorShare { share, load });
-            let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
+            let written = CaseFile::parse("found", &flat(&candidate.case).to_toml()).unwrap();
             let case = written.case().unwrap();
             assert_eq!(
                 case.number(free).map(f64::to_bits),
@@ -1466,7 +1587,7 @@ mod tests {
         let force = 40e-6;
         for free in [Key::Pitch, Key::SubstrateYoungModulus] {
             let candidate = found(&file, free, from_critical(force));
-            let written = CaseFile::parse("found", &candidate.case.to_toml()).unwrap();
+            let written = CaseFile::parse("found", &flat(&candidate.case).to_toml()).unwrap();
             let case = written.case().unwrap();
             let plan = CyclePlan::default();
             let cycle = fakir::cycle(&case.system, plan, case.method, &Run::default()).unwrap();
@@ -1547,7 +1668,7 @@ mod tests {
             let case = file.case().unwrap();
             for free in free_keys() {
                 if let Some(first) = case.number(free) {
-                    let [least, greatest] = range(free, first, &case);
+                    let [least, greatest] = range(free, first, &file.any_case(&[]).unwrap());
                     assert!(least <= first && first <= greatest, "{free}");
                 }
             }
@@ -1587,6 +1708,7 @@ mod tests {
                 "pattern.surface_fraction",
                 "pattern.pitch",
                 "pattern.pitch_y",
+                "pattern.top_radius",
                 "pattern.pillar.diameter",
                 "pattern.pillar.height"
             ]
@@ -1604,12 +1726,15 @@ mod tests {
         }
         for free in free_keys() {
             let (file, case) = match free {
+                // It makes the tops round.
+                Key::TopRadius => continue,
                 Key::PitchY => (rectangular(0.1), rectangular(0.1).case().unwrap()),
                 _ if free.is_of_layers() => (layered.clone(), layered.case().unwrap()),
                 _ => (file.clone(), case.clone()),
             };
+            let file_case = AnyCase::Pillars(Box::new(case.clone()));
             let first = case.number(free).unwrap();
-            let [least, greatest] = range(free, first, &case);
+            let [least, greatest] = range(free, first, &file_case);
             assert!(least < first && first < greatest, "{free}");
             for end in [least, greatest] {
                 assert!(with(&file, free, end).is_ok(), "{free} = {end}");
@@ -1618,7 +1743,7 @@ mod tests {
         // The pitch of the case is the largest possible pillar diameter.
         let mut held = file.clone();
         held.set_number(Key::Pitch, 18e-6);
-        let [_, widest] = range(Key::PillarDiameter, 6e-6, &held.case().unwrap());
+        let [_, widest] = range(Key::PillarDiameter, 6e-6, &held.any_case(&[]).unwrap());
         assert!((widest / 18e-6 - 1.0).abs() < 1e-15);
     }
 

@@ -3,10 +3,11 @@
 use crate::design::{Answer, Design, Reached, Wanted};
 use crate::pillar_heights::PillarHeights;
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
-use fakir::problem::{Load, Method};
+use fakir::problem::Load;
+use fakir_case::AnyCase;
 use fakir_study::VERSION;
-use fakir_study::record::Object;
-use fakir_study::result::{CycleSummary, press, transition};
+use fakir_study::record::{AsperityCritical, Object};
+use fakir_study::result::{CycleSummary, asperity_cycle, asperity_transition, press, transition};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -14,6 +15,9 @@ use serde_json::{Map, Value};
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignSummary {
     method: &'static str,
+    /// `"rounded"` for rounded tops.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tops: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     design: Option<AnswerObject>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -26,13 +30,14 @@ impl DesignSummary {
     /// Summary of a design and a spread, one of which may be missing. `wall_time` is the time of both, s.
     #[must_use]
     pub fn new(
-        method: Method,
+        case: &AnyCase,
         answer: Option<&Answer>,
         spread: Option<(&Sampling, &Spread)>,
         wall_time: f64,
     ) -> Self {
         Self {
-            method: method.name(),
+            method: case.pattern().map_or("spectral", |case| case.method.name()),
+            tops: matches!(case, AnyCase::Asperities(_)).then_some("rounded"),
             design: answer.map(|answer| AnswerObject::new(answer, wall_time)),
             spread: spread.map(|(sampling, spread)| SpreadObject::new(sampling, spread)),
             wall_time_s: wall_time,
@@ -64,7 +69,15 @@ struct AnswerObject {
     state: Option<Object>,
     /// The cycle of a target pull-off force.
     #[serde(skip_serializing_if = "Option::is_none")]
-    cycle: Option<CycleSummary>,
+    cycle: Option<CycleObject>,
+}
+
+/// A cycle on flat or rounded tops.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+enum CycleObject {
+    Flat(Box<CycleSummary>),
+    Rounded(Object),
 }
 
 impl AnswerObject {
@@ -93,12 +106,25 @@ impl AnswerObject {
             Some(Load::FloorContact) | None => {}
         }
         let (mut critical_state, mut state, mut cycle) = (None, None, None);
-        match &nearest.reached {
-            Reached::Critical(critical) => {
+        match (&nearest.reached, &nearest.case) {
+            (Reached::CriticalOfTops(critical), AnyCase::Asperities(case)) => {
+                let critical = AsperityCritical::of(case, critical);
+                critical_state = Some(asperity_transition(critical, wall_time));
+            }
+            (Reached::PulledOffTops(pulled), AnyCase::Asperities(case)) => {
+                let object = asperity_cycle(pulled, &case.field, None, wall_time);
+                cycle = Some(CycleObject::Rounded(object));
+            }
+            // Rounded tops have a case of rounded tops.
+            (Reached::CriticalOfTops(_) | Reached::PulledOffTops(_), _) => {}
+            (Reached::Critical(critical), _) => {
                 critical_state = Some(transition(critical, None, None, wall_time));
             }
-            Reached::Pressed(contact) => state = Some(press(contact, None, None, wall_time)),
-            Reached::PulledOff(pulled) => cycle = Some(CycleSummary::new(pulled, wall_time)),
+            (Reached::Pressed(contact), _) => state = Some(press(contact, None, None, wall_time)),
+            (Reached::PulledOff(pulled), _) => {
+                let summary = CycleSummary::new(pulled, wall_time);
+                cycle = Some(CycleObject::Flat(Box::new(summary)));
+            }
         }
         let reach = match answer.design {
             Design::OutOfReach { reach, .. } => reach,

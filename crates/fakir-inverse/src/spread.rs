@@ -7,10 +7,11 @@
 
 use crate::derivative::ByKey;
 use chacha20::ChaCha12Rng;
-use fakir::problem::{Arrangement, CyclePlan, Disorder, Load, Point, Question};
-use fakir::state::{CriticalState, Cycle, Derivatives, Run, Solution, SolveError};
+use fakir::problem::{CyclePlan, Disorder, Load, PlaneLattice, Point, Question};
+use fakir::state::{Contact, Derivatives, Run, Solution, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
-use fakir_case::{Case, CaseError, CaseFile, Key, Kind};
+use fakir_case::{AnyCase, CaseError, CaseFile, Key, Kind};
+use fakir_study::approach::Loadable;
 use fakir_study::{Column, Table, Values};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
@@ -203,13 +204,12 @@ pub fn spread(
     run: &Run<'_>,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Spread, SpreadError> {
-    file.check_surface(&[Question::Spread])?;
     if sampling.samples < 2 {
         return Err(SpreadError::TooFew);
     }
-    let case = file.case()?;
+    let case = file.any_case(&[Question::Spread])?;
     let varied = varied(file, &sampling.tolerances)?;
-    let cell = Cell::of(case.system.arrangement());
+    let cell = Cell::of(&case);
     if cell.is_none() && sampling.landing == Landing::Anywhere {
         return Err(SpreadError::NoCell);
     }
@@ -234,7 +234,7 @@ pub fn spread(
             cell,
             varied: &varied,
             sampling,
-            scatters: disorder(case.system.arrangement()).is_some(),
+            scatters: disorder(&case).is_some(),
         }
         .sample(number, &single)?;
         done(count.fetch_add(1, Ordering::Relaxed) + 1);
@@ -255,25 +255,38 @@ pub fn spread(
     })
 }
 
+/// The lattice of the pillars; `None` for other arrangements.
+fn lattice(case: &AnyCase) -> Option<PlaneLattice> {
+    match case {
+        AnyCase::Pillars(case) => case.system.arrangement().lattice(),
+        AnyCase::Asperities(case) => case.lattice(),
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => None,
+    }
+}
+
 /// Scatter of the pillars of a lattice, if any.
-fn disorder(arrangement: &Arrangement) -> Option<Disorder> {
-    Some(arrangement.disorder()).filter(|disorder| !disorder.is_none())
+fn disorder(case: &AnyCase) -> Option<Disorder> {
+    let disorder = lattice(case)?.disorder;
+    Some(disorder).filter(|disorder| !disorder.is_none())
 }
 
 /// Scatter to first order, or the reason why there is none.
 fn first_order(
     file: &CaseFile,
-    case: &Case,
+    case: &AnyCase,
     varied: &[(Key, f64, f64)],
     run: &Run<'_>,
 ) -> Result<Result<FirstOrder, String>, SpreadError> {
-    let disorder = disorder(case.system.arrangement());
+    let disorder = disorder(case);
     if disorder.is_some_and(|disorder| disorder.missing > 0.0) {
         return Ok(Err("pillars are there or missing".to_owned()));
     }
     if varied.is_empty() && disorder.is_none() {
         return Ok(Err("only the place of landing varies".to_owned()));
     }
+    let AnyCase::Pillars(case) = case else {
+        return Ok(Err("rounded tops have no derivatives".to_owned()));
+    };
     let gradient = match fakir::gradient(&case.system, Load::FloorContact, case.method, run) {
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
         Err(error) => return Ok(Err(error.to_string())),
@@ -369,7 +382,7 @@ impl Draw<'_> {
             if let Some(seed) = pillar_seed {
                 file.set_number(Key::PillarSeed, f64::from(seed));
             }
-            let case = match file.case() {
+            let case = match file.any_case(&[]) {
                 Ok(case) => case,
                 Err(error) => {
                     problem = error.one_line();
@@ -383,7 +396,7 @@ impl Draw<'_> {
                 Ok(Err(problem)) => (Err(problem), Vec::new()),
                 Ok(Ok((critical, forces))) => (Ok(critical), forces),
             };
-            let (offset, offset_angle) = landed(case.system.arrangement());
+            let (offset, offset_angle) = landed(&case);
             return Ok(Sample {
                 values,
                 offset,
@@ -400,7 +413,7 @@ impl Draw<'_> {
     /// values.
     fn answers(
         &self,
-        case: &Case,
+        case: &AnyCase,
         run: &Run<'_>,
     ) -> Result<Result<(Critical, Vec<f64>), String>, SolveError> {
         let critical = match outcome(case, run)? {
@@ -409,12 +422,16 @@ impl Draw<'_> {
         };
         let mut forces = Vec::with_capacity(self.sampling.indentations.len());
         for indentation in &self.sampling.indentations {
-            let control = Load::Indentation(*indentation);
-            let state = fakir::press(&case.system, control, case.method, run)?;
-            if let Some(problem) = state.problem() {
-                return Ok(Err(problem));
+            let load = Load::Indentation(*indentation);
+            let force = match case {
+                AnyCase::Pillars(case) => force(&**case, load, run),
+                AnyCase::Asperities(case) => force(&**case, load, run),
+                AnyCase::HeightMap(_) | AnyCase::Flat(_) => Err(SolveError::NoFloor),
+            };
+            match force? {
+                Ok(force) => forces.push(force),
+                Err(problem) => return Ok(Err(problem)),
             }
-            forces.push(state.force);
         }
         Ok(Ok((critical, forces)))
     }
@@ -451,8 +468,8 @@ struct Cell {
 
 impl Cell {
     /// `None` for listed pillars.
-    fn of(arrangement: &Arrangement) -> Option<Self> {
-        let form = arrangement.lattice()?.form;
+    fn of(case: &AnyCase) -> Option<Self> {
+        let form = lattice(case)?.form;
         Some(Self {
             vectors: form.vectors(),
             pitch: form.pitch(),
@@ -461,46 +478,88 @@ impl Cell {
 }
 
 /// Position of the lens axis on a lattice: distance (pitches) and direction (rad) from a pillar.
-fn landed(arrangement: &Arrangement) -> (f64, f64) {
-    let lattice = arrangement.lattice();
-    lattice.map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle))
+fn landed(case: &AnyCase) -> (f64, f64) {
+    lattice(case).map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle))
+}
+
+/// Force of a sample at a load, or the reason why there is no reliable one.
+fn force(
+    case: &impl Loadable,
+    load: Load,
+    run: &Run<'_>,
+) -> Result<Result<f64, String>, SolveError> {
+    let contact = case.press(load, run)?;
+    Ok(contact.problem().map_or_else(|| Ok(contact.force()), Err))
 }
 
 /// Critical state of a sample, or the reason why there is no reliable one.
-fn outcome(case: &Case, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
-    if case.system.adhesion().is_none() {
-        let critical = fakir::transition(&case.system, case.method, run)?;
-        let problem = critical.contact.problem();
-        return Ok(problem.map_or_else(|| Ok(Critical::of(&critical)), Err));
+fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
+    let not_detached = || "the lens does not detach".to_owned();
+    // Without tensile force the lens detaches without a pull-off force.
+    match case {
+        AnyCase::Pillars(case) if case.system.adhesion().is_none() => {
+            let critical = fakir::transition(&case.system, case.method, run)?;
+            Ok(Critical::found(
+                &critical.contact,
+                critical.contact_radius(),
+            ))
+        }
+        AnyCase::Pillars(case) => {
+            let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
+            if let Some(problem) = cycle.problem() {
+                return Ok(Err(problem));
+            }
+            let critical = cycle.critical.filter(|_| cycle.separation.is_some());
+            Ok(critical.ok_or_else(not_detached).map(|critical| Critical {
+                pull_off: Some(PullOff {
+                    force: cycle.pull_off.as_ref().map_or(0.0, |it| it.force),
+                    hysteresis: cycle.loop_area,
+                }),
+                ..Critical::of(&critical.contact, critical.contact_radius())
+            }))
+        }
+        AnyCase::Asperities(case) if case.field.adhesion().is_none() => {
+            let critical = case.field.transition(case.accuracy, run)?;
+            Ok(Critical::found(
+                &critical.contact,
+                critical.contact_radius(),
+            ))
+        }
+        AnyCase::Asperities(case) => {
+            let cycle = case.field.cycle(CyclePlan::default(), case.accuracy, run)?;
+            if let Some(problem) = cycle.problem() {
+                return Ok(Err(problem));
+            }
+            let (Some(critical), Some(hysteresis)) = (&cycle.critical, cycle.loop_area) else {
+                return Ok(Err(not_detached()));
+            };
+            let found = Critical::found(&critical.contact, critical.contact_radius());
+            Ok(found.map(|critical| Critical {
+                pull_off: Some(PullOff {
+                    force: cycle.pull_off.as_ref().map_or(0.0, |it| it.force),
+                    hysteresis,
+                }),
+                ..critical
+            }))
+        }
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => Err(SolveError::NoFloor),
     }
-    let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
-    let detached =
-        || Critical::of_cycle(&cycle).ok_or_else(|| "the lens does not detach".to_owned());
-    Ok(cycle.problem().map_or_else(detached, Err))
 }
 
 impl Critical {
-    fn of(critical: &CriticalState) -> Self {
+    fn of(contact: &impl Contact, contact_radius: f64) -> Self {
         Self {
-            force: critical.contact.force,
-            indentation: critical.contact.indentation,
-            contact_radius: critical.contact_radius(),
+            force: contact.force(),
+            indentation: contact.indentation(),
+            contact_radius,
             pull_off: None,
         }
     }
 
-    /// `None` for a cycle that does not end with the lens detached.
-    fn of_cycle(cycle: &Cycle) -> Option<Self> {
-        cycle.separation?;
-        // Without tensile force the lens detaches without a pull-off force.
-        let force = cycle.pull_off.as_ref().map_or(0.0, |it| it.force);
-        Some(Self {
-            pull_off: Some(PullOff {
-                force,
-                hysteresis: cycle.loop_area,
-            }),
-            ..Self::of(cycle.critical.as_ref()?)
-        })
+    /// The values, or the reason why they are not reliable.
+    fn found(contact: &impl Contact, contact_radius: f64) -> Result<Self, String> {
+        let problem = contact.problem();
+        problem.map_or_else(|| Ok(Self::of(contact, contact_radius)), Err)
     }
 }
 
@@ -765,7 +824,7 @@ mod tests {
         let sampling = sampling(Vec::new(), Landing::Anywhere, 2);
         let draw = Draw {
             file: &file(),
-            cell: Cell::of(case.system.arrangement()),
+            cell: Cell::of(&AnyCase::Pillars(Box::new(case))),
             varied: &[],
             sampling: &sampling,
             scatters: false,

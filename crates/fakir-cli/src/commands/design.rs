@@ -3,24 +3,28 @@
 
 use crate::arguments::Design as Options;
 use crate::failure::Failure;
-use crate::numbers::{DIGITS, LENGTH_DIGITS, column_unit, significant, with_unit};
+use crate::numbers::{DIGITS, LENGTH_DIGITS, column_unit, digits, significant, with_unit};
 use crate::session::Session;
-use fakir::state::{ContactState, CriticalState, Cycle, Normalized};
+use fakir::state::{ContactState, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Case, CaseFile, Key};
+use fakir_case::{AnyCase, CaseFile, Key};
 use fakir_figure::{Figure, Histogram, Text, histogram};
 use fakir_inverse::DesignSummary;
-use fakir_inverse::design::{Answer, Design, Reached, Wanted, design};
+use fakir_inverse::design::{Answer, Candidate, Design, Reached, Wanted, design};
 use fakir_inverse::spread::{Critical, Landing, PullOff, Sampling, Spread, Summary, spread};
+use fakir_study::answer::{Described, described};
 use fakir_study::citations::Topic;
 use fakir_study::figures::printed;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
-use fakir_study::provenance::{Provenance, method_words};
+use fakir_study::provenance::Provenance;
+use fakir_study::record::AsperityAnswer;
 use fakir_study::report::Report;
-use fakir_study::report::state::{QuantityList, pillar_pattern_line, radius_digits};
+use fakir_study::report::state::{QuantityList, radius_digits};
 use fakir_study::report::table::{Column, list, table};
-use fakir_study::result::{cycle_warnings, json, warnings};
+use fakir_study::result::{
+    asperity_cycle_warnings, asperity_warnings, cycle_warnings, json, warnings,
+};
 use std::time::Instant;
 
 /// The report of a design, and whether the target is attained.
@@ -61,29 +65,33 @@ pub(crate) fn run(
         }
         None => None,
     };
-    let case = file.case()?;
+    let case = file.any_case(&[])?;
+    let described = described(&case)?;
     let wall_time = start.elapsed().as_secs_f64();
     let found = answer
         .as_ref()
         .is_none_or(|answer| matches!(answer.design, Design::Found { .. }));
     let scattered = sampling.as_ref().zip(scatter.as_ref());
     let text = [
-        answer.as_ref().map(|answer| design_text(answer, &case)),
-        scattered.map(|(sampling, scatter)| spread_text(&case, sampling, scatter)),
+        answer
+            .as_ref()
+            .map(|answer| design_text(answer, &described)),
+        scattered.map(|(sampling, scatter)| spread_text(sampling, scatter)),
     ];
     let mut warned = answer
         .as_ref()
-        .map_or(Vec::new(), |answer| match &answer.nearest().reached {
-            Reached::PulledOff(cycle) => cycle_warnings(cycle),
-            reached => warnings(reached.contact()),
-        });
+        .map_or(Vec::new(), |answer| warnings_of(answer.nearest()));
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
+    // Interactions do not change a design.
+    let topics = described.topics.iter().copied();
+    let topics = topics.filter(|topic| !matches!(topic, Topic::Interaction(_)));
+    let topics: Vec<Topic> = topics.collect();
     let provenance = Provenance::new(
         words(question, sampling.as_ref()),
-        method_words(case.method),
-        &Topic::of_case(&case),
-        case.to_toml(),
+        described.method.clone(),
+        &topics,
+        described.text.clone(),
     );
     let mut tables = Vec::new();
     if let Some((sampling, scatter)) = scattered {
@@ -95,7 +103,7 @@ pub(crate) fn run(
     }
     let report = Report {
         json: json(&DesignSummary::new(
-            case.method,
+            &case,
             answer.as_ref(),
             scattered,
             wall_time,
@@ -132,18 +140,50 @@ fn words(question: Option<(Key, Wanted)>, sampling: Option<&Sampling>) -> String
     words.join("; ")
 }
 
-fn design_text(answer: &Answer, case: &Case) -> String {
+/// Warnings about the contact of a value.
+fn warnings_of(found: &Candidate) -> Vec<String> {
+    match (&found.reached, &found.case) {
+        (Reached::Critical(critical), _) => warnings(&critical.contact),
+        (Reached::Pressed(contact), _) => warnings(contact),
+        (Reached::PulledOff(cycle), _) => cycle_warnings(cycle),
+        (Reached::CriticalOfTops(critical), AnyCase::Asperities(case)) => {
+            asperity_warnings(AsperityAnswer::of(case, &critical.contact))
+        }
+        (Reached::PulledOffTops(cycle), AnyCase::Asperities(case)) => {
+            asperity_cycle_warnings(case, cycle)
+        }
+        (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
+        (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
+    }
+}
+
+fn design_text(answer: &Answer, described: &Described) -> String {
     let rows = match &answer.nearest().reached {
-        Reached::Critical(critical) => critical_rows(answer, critical),
+        Reached::Critical(critical) => {
+            let radius = radius_digits(critical.relative_contact_radius_error());
+            critical_rows(
+                answer,
+                critical.contact.indentation,
+                [DIGITS, DIGITS, radius],
+            )
+        }
+        Reached::CriticalOfTops(critical) => {
+            let contact = &critical.contact;
+            let error = contact.error.unwrap_or_default();
+            let depth = error.indentation / contact.indentation.abs().max(f64::MIN_POSITIVE);
+            let known = [digits(error.force), digits(depth), LENGTH_DIGITS];
+            critical_rows(answer, contact.indentation, known)
+        }
         Reached::Pressed(state) => pressed_rows(answer, state),
-        Reached::PulledOff(cycle) => pulled_off_rows(answer, cycle),
+        Reached::PulledOff(cycle) => pulled_off_rows(answer, |rows| {
+            fakir_study::answer::turn_and_pull_off(rows, cycle);
+        }),
+        Reached::PulledOffTops(cycle) => pulled_off_rows(answer, |rows| {
+            fakir_study::answer::turn_and_pull_off_of_tops(rows, cycle);
+        }),
     };
-    format!(
-        "{}\n{}\n{}\n\n{rows}",
-        answer.statement(),
-        pillar_pattern_line(&case.system),
-        method_words(case.method),
-    )
+    let [surface, method] = &described.lines;
+    format!("{}\n{surface}\n{method}\n\n{rows}", answer.statement())
 }
 
 /// The contact at the load of a target floor share.
@@ -171,9 +211,9 @@ fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
 }
 
 /// The cycle for a target pull-off force.
-fn pulled_off_rows(answer: &Answer, cycle: &Cycle) -> String {
+fn pulled_off_rows(answer: &Answer, add: impl FnOnce(&mut QuantityList)) -> String {
     let mut rows = QuantityList::default();
-    fakir_study::answer::turn_and_pull_off(&mut rows, cycle);
+    add(&mut rows);
     if let Some((value, remark)) = sensitivity(answer) {
         rows.row("sensitivity", value, "", &remark);
     }
@@ -190,8 +230,10 @@ fn sensitivity(answer: &Answer) -> Option<(String, String)> {
     Some((significant(*sensitivity, 3), remark))
 }
 
-fn critical_rows(answer: &Answer, critical: &CriticalState) -> String {
-    let state = &critical.contact;
+/// Force, indentation and contact radius of a critical state, with their significant digits.
+fn critical_rows(answer: &Answer, indentation: f64, known: [usize; 3]) -> String {
+    let reached = &answer.nearest().reached;
+    let [force, depth, radius] = known;
     let quantity = |name: &str, value, dimension, digits| {
         [
             name.to_owned(),
@@ -201,18 +243,18 @@ fn critical_rows(answer: &Answer, critical: &CriticalState) -> String {
         ]
     };
     let mut rows = vec![
-        quantity("critical force", state.force, Dimension::Force, DIGITS),
+        quantity("critical force", reached.force(), Dimension::Force, force),
         quantity(
             "critical indentation",
-            state.indentation,
+            indentation,
             Dimension::Length,
-            DIGITS,
+            depth,
         ),
         quantity(
             "critical contact radius",
-            critical.contact_radius(),
+            reached.contact_radius(),
             Dimension::Length,
-            radius_digits(critical.relative_contact_radius_error()),
+            radius,
         ),
     ];
     if let Some((value, remark)) = sensitivity(answer) {
@@ -221,7 +263,7 @@ fn critical_rows(answer: &Answer, critical: &CriticalState) -> String {
     list(rows)
 }
 
-fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
+fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
     let landing = match sampling.landing {
         Landing::Anywhere => "the lens landing anywhere on the lattice",
         Landing::AsGiven => "the lens landing as given",
@@ -319,9 +361,9 @@ fn spread_text(case: &Case, sampling: &Sampling, spread: &Spread) -> String {
             |_| LENGTH_DIGITS,
         ));
     }
-    let without = match case.method {
-        _ if spread.failures().next().is_none() => String::new(),
-        _ => format!(", {} without a solution", spread.failures().count()),
+    let without = match spread.failures().count() {
+        0 => String::new(),
+        failed => format!(", {failed} without a solution"),
     };
     format!("{head}{without}\n\n{}", table(&rows, &columns))
 }

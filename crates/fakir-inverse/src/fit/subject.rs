@@ -128,7 +128,7 @@ impl Subject {
     pub(super) fn half_pitch(&self) -> f64 {
         match self {
             Self::Pillars(case) => 0.5 * case.system.pitch(),
-            Self::Asperities(tops) => 0.5 * tops.spacing(),
+            Self::Asperities(tops) => 0.5 * tops.case.spacing(),
             Self::Flat(_) => 0.0,
         }
     }
@@ -209,19 +209,6 @@ fn numbers(file: &CaseFile) -> Result<Vec<(Key, f64)>, CaseError> {
         }
     }
     Ok(numbers)
-}
-
-impl Tops {
-    /// Smallest distance of neighbouring tops, m; 0 of a single one.
-    fn spacing(&self) -> f64 {
-        let asperities = self.case.field.asperities();
-        let places = asperities.iter().enumerate();
-        let distances = places.flat_map(|(place, one)| {
-            let others = asperities[place + 1..].iter();
-            others.map(|other| (one.apex[0] - other.apex[0]).hypot(one.apex[1] - other.apex[1]))
-        });
-        distances.reduce(f64::min).unwrap_or(0.0)
-    }
 }
 
 /// Name of the method of fits with a case: that of a method for pillars, `rounded tops` or `flat`.

@@ -11,3 +11,4 @@ mod heights;
 mod measurements;
 mod over_time;
 mod rounded;
+mod rounded_design;

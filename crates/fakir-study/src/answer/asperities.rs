@@ -18,10 +18,10 @@ use crate::result::{
     AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     csv, json, left_out_words,
 };
-use fakir::problem::{CyclePlan, Interactions, Solver, UnloadingPoint};
+use fakir::problem::{CyclePlan, Feature, Interactions, Question, Solver, UnloadingPoint};
 use fakir::state::{
     AsperityContact, AsperityCycle, AsperityState, CycleEventKind, Limit, PillarStatus, Regime,
-    Run, Solution,
+    Run, Solution, SolveError,
 };
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -80,9 +80,9 @@ impl Kind for AsperityCase {
                 ));
             }
             if matches!(plan.turn, UnloadingPoint::Critical(_)) {
-                return Err(AnswerError::Refused(
-                    "a cycle of rounded tops ends at an indentation or a force, not at the critical state, as floor contact is not computed with adhesion: give --to or --to-force; `fakir transition` gives the critical state",
-                ));
+                let features = Feature::of_asperities(&self.field);
+                let answered = Question::Transition.check(self.solver(), &features);
+                answered.map_err(SolveError::from)?;
             }
         }
         if details.range.is_some() && is_plain {
@@ -351,14 +351,60 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
     if let Some(indentation) = cycle.zero_load_indentation {
         list.length("at rest without load", indentation, String::new());
     }
+    turn_and_pull_off_of_tops(&mut list, cycle);
+    if let Some(indentation) = cycle.separation {
+        list.length("last release", indentation, String::new());
+    }
+    let known = digits(cycle.errors.loop_area);
+    if let Some(work) = cycle.work_of_separation {
+        list.row("work of separation", significant(work, known), "J", "");
+    }
+    if let Some(area) = cycle.loop_area {
+        list.row(
+            "hysteresis",
+            significant(area, known),
+            "J",
+            &remark(cycle.errors.loop_area),
+        );
+    }
+    if let Some(certificate) = cycle.certificate() {
+        list.row(
+            "certificate",
+            certificate_words(certificate),
+            "",
+            "relative difference from the dissipation of all events",
+        );
+    }
+    let limits = cycle.turn.limits(&of.case.field, of.details.range);
+    list.range(&limits).model(&limits);
+    list.row(
+        "load steps",
+        cycle.load_steps.len().to_string(),
+        "",
+        &format!(
+            "{}, in {}",
+            cycle.termination.description(),
+            seconds(of.wall_time)
+        ),
+    );
+    list.text()
+}
+
+/// Adds the end of the loading of rounded tops, and the pull-off.
+pub fn turn_and_pull_off_of_tops(list: &mut QuantityList, cycle: &AsperityCycle) {
+    let remark = |error: f64| alone(&error_remark(error));
     let turn = &cycle.turn;
     let error = turn.error.unwrap_or_default();
+    let turn_remark = match (&cycle.critical, turn.floor_gap) {
+        (Some(_), Some(_)) => "critical state: the lens just reaches the floor".to_owned(),
+        _ => remark(error.force),
+    };
     list.quantity(
         "loaded up to a force of",
         turn.force,
         Dimension::Force,
         digits(error.force),
-        remark(error.force),
+        turn_remark,
     )
     .length("  at an indentation of", turn.indentation, String::new())
     .area(
@@ -394,40 +440,4 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
             "",
         );
     }
-    if let Some(indentation) = cycle.separation {
-        list.length("last release", indentation, String::new());
-    }
-    let known = digits(cycle.errors.loop_area);
-    if let Some(work) = cycle.work_of_separation {
-        list.row("work of separation", significant(work, known), "J", "");
-    }
-    if let Some(area) = cycle.loop_area {
-        list.row(
-            "hysteresis",
-            significant(area, known),
-            "J",
-            &remark(cycle.errors.loop_area),
-        );
-    }
-    if let Some(certificate) = cycle.certificate() {
-        list.row(
-            "certificate",
-            certificate_words(certificate),
-            "",
-            "relative difference from the dissipation of all events",
-        );
-    }
-    let limits = turn.limits(&of.case.field, of.details.range);
-    list.range(&limits).model(&limits);
-    list.row(
-        "load steps",
-        cycle.load_steps.len().to_string(),
-        "",
-        &format!(
-            "{}, in {}",
-            cycle.termination.description(),
-            seconds(of.wall_time)
-        ),
-    );
-    list.text()
 }

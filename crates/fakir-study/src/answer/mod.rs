@@ -26,6 +26,7 @@ mod loading;
 mod pillars;
 mod request;
 
+pub use asperities::turn_and_pull_off_of_tops;
 pub use cycle::turn_and_pull_off;
 pub use request::{AnswerError, Details, Maps, Request, Running};
 

@@ -253,11 +253,7 @@ impl<'a> Recorded for AsperityCritical<'a> {
             Named::number(
                 "critical_contact_radius_m",
                 "the larger of `top_contact_radius_m` and the distance between the lens axis and the floor contact",
-                |it: &Self| {
-                    let [x, y] = it.critical.floor_contact;
-                    let radius = it.critical.contact.contact_radius;
-                    radius.unwrap_or(0.0).max(x.hypot(y))
-                },
+                |it: &Self| it.critical.contact_radius(),
             )
             .symbol("a_c"),
         );

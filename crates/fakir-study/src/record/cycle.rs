@@ -4,7 +4,7 @@ use super::contact::common;
 use super::interactions;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
-use fakir::state::{Critical, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
+use fakir::state::{CriticalState, Cycle, CycleError, CycleLoadStep, FloorResolution, HeldFloor};
 use fakir::theory::adhesion::kendall_pull_off;
 
 /// The errors of one result, which a cycle may not have.
@@ -129,7 +129,7 @@ fn loading() -> Vec<Named<Cycle>> {
         Named::number_if_any(
             "critical_contact_radius_m",
             "critical contact radius",
-            |it: &Cycle| it.critical.as_ref().map(Critical::contact_radius),
+            |it: &Cycle| it.critical.as_ref().map(CriticalState::contact_radius),
         )
         .symbol("a_c"),
         Named::count_if_any(

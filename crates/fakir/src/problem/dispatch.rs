@@ -472,7 +472,7 @@ static RULES: &[Rule] = &[
         "leave them out: the result for rounded tops contains the stiffness",
     ),
     rule(
-        &[Question::Transition],
+        &[Question::Transition, Question::Spread],
         ASPERITIES,
         &[WITHOUT_AXIS],
         "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
@@ -500,17 +500,25 @@ static RULES: &[Rule] = &[
         "prescribe an indentation or a force below the critical state; `press` estimates the error past it",
     ),
     rule(
-        &[
-            Question::Theory,
-            Question::Compare,
-            Question::Design,
-            Question::Spread,
-            Question::Explore,
-        ],
+        &[Question::Theory],
         ASPERITIES,
         &[],
-        "this is computed for flat pillar tops only",
-        "leave out the radius of curvature of the tops; `press`, `transition`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design --free heights` support rounded tops",
+        "the closed forms are those of flat pillar tops, which are in contact as a whole; contacts on rounded tops grow with their force",
+        "use `transition` and `press`, which contain the closed forms of Hertz for a single top",
+    ),
+    rule(
+        &[Question::Compare],
+        ASPERITIES,
+        &[],
+        "the other methods replace each top by a flat punch, so that only one method computes the critical state of rounded tops",
+        "use `verify`, which compares contacts with boundary elements",
+    ),
+    rule(
+        &[Question::Explore],
+        ASPERITIES,
+        &[],
+        "the page shows pillars with flat tops",
+        "use `press`, `transition` or `approach`, which save figures",
     ),
     // Height maps.
     rule(

@@ -2,6 +2,7 @@
 
 use super::asperity_contact::AsperityContact;
 use super::contact::Termination;
+use super::critical::Critical;
 use super::cycle::{Branch, CycleEventKind, energy_balance};
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, CyclePlan, Point};
@@ -68,6 +69,8 @@ pub struct AsperityCycle {
     pub first_contact: Option<usize>,
     /// Indentation at which the force first increases through zero during loading, m: the equilibrium without load.
     pub zero_load_indentation: Option<f64>,
+    /// The critical state, of a loading that ends at a fraction of the critical indentation.
+    pub critical: Option<Critical<AsperityContact>>,
     /// The contact at the end of loading.
     pub turn: AsperityContact,
     /// The contact with the largest tensile force of the unloading, without error estimate; none without unloading or without tension.

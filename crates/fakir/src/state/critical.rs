@@ -1,5 +1,6 @@
 //! The critical state, in which the lens first touches the floor.
 
+use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, relative};
 use crate::problem::{Method, Point, PunchForm, System};
 
@@ -125,6 +126,16 @@ impl CriticalState {
             self.contact_radius(),
             self.contact.indentation,
         )
+    }
+}
+
+impl Critical<AsperityContact> {
+    /// Critical contact radius `a_c`: the larger of the contact radius on the tops and the distance of the floor contact from the lens
+    /// axis, m.
+    #[must_use]
+    pub fn contact_radius(&self) -> f64 {
+        let [x, y] = self.floor_contact;
+        self.contact.contact_radius.unwrap_or(0.0).max(x.hypot(y))
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod asperity_contact;
 pub(crate) mod asperity_cycle;
 pub(crate) mod asperity_elements;
 pub(crate) mod asperity_fields;
+pub(crate) mod asperity_gradient;
 mod cell_means;
 pub(crate) mod checked;
 pub(crate) mod contact;
@@ -36,6 +37,7 @@ pub use asperity_contact::{
 pub use asperity_cycle::{AsperityCycle, AsperityCycleErrors, AsperityEvent, AsperityLoadStep};
 pub use asperity_elements::AsperityElements;
 pub use asperity_fields::AsperityFields;
+pub use asperity_gradient::{AsperityDerivatives, AsperityGradient};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};
 pub use critical::{Critical, CriticalState, Normalized, Regime};
 pub use cycle::{

@@ -1,8 +1,8 @@
 //! The critical state of rounded tops: closed forms, limits, and boundary elements.
 
 use fakir::problem::{
-    Accuracy, Adhesion, Asperity, AsperityArray, Boundary, Floor, Grid, HeightMap, Indenter,
-    LensShape, Load, Material, Point, ShapedLens, SurfaceSystem,
+    Accuracy, Adhesion, Asperity, AsperityArray, Boundary, CyclePlan, Floor, Grid, HeightMap,
+    Indenter, LensShape, Load, Material, Point, ShapedLens, SurfaceSystem,
 };
 use fakir::state::{AsperityContact, Critical, PillarStatus, Regime, Run, SolveError};
 use std::f64::consts::PI;
@@ -137,6 +137,27 @@ fn check_single_top(work: f64) {
         assert!(y == 0.0 && (x / (r * UM) - 1.0).abs() < 1e-4, "{x} {r}");
         assert!(contact.error.unwrap().force < 1e-6);
         assert!(contact.floor_gap.unwrap().gap.abs() <= 0.0);
+    }
+    if work > 0.0 {
+        // The cycle up to the critical state. Johnson, Kendall and Roberts: a pull-off force of 3/2 pi w R.
+        let plan = CyclePlan::default();
+        let cycle = array.cycle(plan, Accuracy::Default, &Run::default());
+        let cycle = cycle.expect("a cycle");
+        let turn = cycle.turn.force / (expected.force() * FORCE) - 1.0;
+        let pull_off = cycle.pull_off.as_ref().expect("tension").force;
+        let pull_off = pull_off / (-1.5 * PI * work * expected.relative * FORCE) - 1.0;
+        assert!(
+            turn.abs() < 1e-8 && pull_off.abs() < 1e-8,
+            "{turn:e} {pull_off:e}"
+        );
+        let critical = cycle.critical.expect("a critical state");
+        assert!(
+            critical
+                .contact
+                .indentation
+                .total_cmp(&cycle.turn.indentation)
+                .is_eq()
+        );
     }
     // The contact at a load below it has a gap, and one above it a negative one.
     for (part, sign) in [(0.95, 1.0), (1.01, -1.0)] {

@@ -8,6 +8,7 @@ mod arrangements;
 mod asperities;
 mod asperity_fields;
 mod asperity_floor;
+mod asperity_gradient;
 mod asperity_lenses;
 mod asperity_transition;
 mod common;

@@ -194,8 +194,8 @@ impl AsperityArray {
     /// ```
     ///
     /// # Errors
-    /// As [`press`](Self::press); [`SolveError::NoAdhesion`] without adhesion, and [`SolveError::NoFloor`] for a part of the critical
-    /// indentation.
+    /// As [`press`](Self::press); [`SolveError::NoAdhesion`] without adhesion. A part of the critical indentation requires the
+    /// [critical state](Self::transition), with its errors.
     pub fn cycle(
         &self,
         plan: CyclePlan,
@@ -214,10 +214,14 @@ impl AsperityArray {
         let mut equations = Equations::new(&bench.layout, degree(accuracy));
         let mut path = Path::new(&mut equations, run)?;
         let driver = Driver::new(plan.drive, bench.units.stiffness());
+        let mut critical = None;
         let stop = match plan.turn {
             UnloadingPoint::Indentation(value) => Stop::Indentation(value / bench.units.length),
             UnloadingPoint::Force(value) => Stop::Force(value / bench.units.force()),
-            UnloadingPoint::Critical(_) => return Err(SolveError::NoFloor),
+            UnloadingPoint::Critical(part) => {
+                let found = critical.insert(self.transition(accuracy, run)?);
+                Stop::Indentation(part * found.contact.indentation / bench.units.length)
+            }
         };
         let mut ended = path.follow(Branch::Loading, stop).err();
         if ended.is_none() {
@@ -242,7 +246,7 @@ impl AsperityArray {
             ended = path.follow(Branch::Unloading, Stop::Apart).err();
         }
         let termination = match ended {
-            None => Termination::Converged,
+            None => (critical.as_ref()).map_or(Termination::Converged, |it| it.contact.termination),
             Some(ended) => bench.termination(ended, &path)?,
         };
         bench.check(path.equations, &at_turn)?;
@@ -278,6 +282,11 @@ impl AsperityArray {
             touched: at_turn.discs.len(),
         });
         let mut turn = turn;
+        if let (Some(found), UnloadingPoint::Critical(part)) = (&critical, plan.turn)
+            && part >= 1.0
+        {
+            turn.floor_gap = found.contact.floor_gap;
+        }
         let mut errors = AsperityCycleErrors::default();
         if termination == Termination::Converged {
             turn.error = bench.errors_of(&turn, target, run)?;
@@ -294,6 +303,7 @@ impl AsperityArray {
             events: changes.iter().map(|change| bench.event(change)).collect(),
             first_contact: driven.places.iter().position(|place| place.touched > 0),
             zero_load_indentation: zero_load.map(|value| value * bench.units.length),
+            critical,
             turn: turn.checked()?,
             pull_off,
             separation: separation.map(|value| value * bench.units.length),

@@ -152,6 +152,41 @@ impl Edge {
         }
     }
 
+    /// The same for a scalar, from its derivatives with respect to the moments and to the geometry.
+    pub(crate) fn reduce_scalar(
+        &self,
+        disc: &Disc,
+        rim_radius: f64,
+        (moments, geometry): (&[f64], [f64; 3]),
+        reduced: &mut [f64],
+    ) {
+        let size = self.harmonics.len();
+        // As the first row of a block.
+        let mut columns = vec![0.0; size * size];
+        for (column, value) in columns.chunks_exact_mut(size).zip(moments) {
+            column[0] = *value;
+        }
+        let slopes = geometry.map(|slope| {
+            let mut column = vec![0.0; size];
+            column[0] = slope;
+            column
+        });
+        let mut block = vec![0.0; size * size];
+        let slopes = [0, 1, 2].map(|k| slopes[k].as_slice());
+        self.reduce(disc, rim_radius, &columns, slopes, &mut block);
+        for (value, column) in reduced.iter_mut().zip(block.chunks_exact(size)) {
+            *value = column[0];
+        }
+    }
+
+    /// Change of the first moment with the adhesion of a disc, at a fixed geometry; zero where its edge is that of the top.
+    pub(crate) fn moment_by_grip(&self, disc: &Disc) -> f64 {
+        match disc.hold {
+            Hold::Whole => 0.0,
+            Hold::Free | Hold::Leaning { .. } => -disc.radius * disc.radius.sqrt() / self.first(0),
+        }
+    }
+
     /// The same for a scalar that depends on the mean moment and on the radius: its derivatives with respect to the components of a step.
     pub(crate) fn reduce_row(&self, disc: &Disc, mean: f64, radius: f64, reduced: &mut [f64]) {
         reduced.fill(0.0);

@@ -113,6 +113,16 @@ impl<'a> Equations<'a> {
 
     /// Linearises the equations at contacts that do not overlap.
     pub(crate) fn linearised(&mut self, contacts: &Contacts) -> Linearised {
+        self.linearised_with(contacts, None)
+    }
+
+    /// The same, with the derivatives of the residual with respect to the position along x and y, the radius and the first moment of every
+    /// disc: four columns for each disc, whatever its edge condition.
+    pub(crate) fn linearised_with(
+        &mut self,
+        contacts: &Contacts,
+        mut unconstrained: Option<&mut Matrix>,
+    ) -> Linearised {
         self.prepare(contacts);
         let size = self.modes();
         let count = contacts.discs.len();
@@ -167,7 +177,7 @@ impl<'a> Equations<'a> {
                         &columns,
                         &geometry,
                         &mut reduced,
-                        &mut matrix,
+                        (&mut matrix, unconstrained.as_deref_mut()),
                     );
                 }
             }
@@ -186,7 +196,7 @@ impl<'a> Equations<'a> {
                 &columns,
                 &geometry,
                 &mut reduced,
-                &mut matrix,
+                (&mut matrix, unconstrained.as_deref_mut()),
             );
         }
         Linearised { missing, matrix }
@@ -222,10 +232,20 @@ impl<'a> Equations<'a> {
         columns: &[f64],
         geometry: &[Vec<f64>; 3],
         reduced: &mut [f64],
-        matrix: &mut Matrix,
+        (matrix, unconstrained): (&mut Matrix, Option<&mut Matrix>),
     ) {
         let size = self.modes();
         let disc = &contacts.discs[source];
+        if let Some(unconstrained) = unconstrained {
+            let [x, y, radius] = geometry;
+            for (k, column) in [&x[..], y, radius, &columns[..size]]
+                .into_iter()
+                .enumerate()
+            {
+                let place = receiver * size..(receiver + 1) * size;
+                unconstrained.column_mut(4 * source + k)[place].copy_from_slice(column);
+            }
+        }
         let geometry = [0, 1, 2].map(|k| geometry[k].as_slice());
         self.edge
             .reduce(disc, self.rim(disc.asperity), columns, geometry, reduced);

@@ -255,6 +255,23 @@ impl LoadRule {
         }
     }
 
+    /// Projects a function of the position over a disc.
+    pub(crate) fn project(
+        &self,
+        (centre, radius): (Point, f64),
+        value: impl Fn(Point) -> f64,
+    ) -> Vec<f64> {
+        let mut projected = vec![0.0; self.modes];
+        let rows = self.weights.chunks_exact(self.modes);
+        for (point, row) in self.points.iter().zip(rows) {
+            let value = value([0, 1].map(|k| centre[k] + radius * point[k]));
+            for (sum, weight) in projected.iter_mut().zip(row) {
+                *sum += weight * value;
+            }
+        }
+        projected
+    }
+
     /// Projects an overlap over a disc.
     pub(crate) fn fill(
         &self,

@@ -11,6 +11,7 @@ mod cycle;
 pub(crate) mod edge;
 pub(crate) mod equations;
 pub(crate) mod follow;
+mod gradient;
 pub(crate) mod load;
 mod mixed;
 pub(crate) mod newton;

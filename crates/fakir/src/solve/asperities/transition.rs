@@ -44,6 +44,9 @@ const STEEPEST: f64 = 0.99;
 /// Smallest spacing of pillars, in radii of the widest at the floor, for the starting points of the search beside the outermost ones.
 const LEAST_SPACING: f64 = 2.5;
 
+/// Distance from a pillar, in radii, within which a point of the floor is at its edge.
+const AT_EDGE: f64 = 1e-6;
+
 /// The floor among the tops. Lengths are in a unit of the search: the largest radius of a pillar.
 pub(super) struct Floor {
     lens: ShapedLens,
@@ -187,6 +190,16 @@ impl Bench {
             Err(SolveError::FloorCovered) => Ok(None),
             Err(error) => Err(error),
         }
+    }
+
+    /// Whether a point of the floor, at this depth below the reference level, is at the edge of a pillar.
+    pub(super) fn is_at_edge(&self, at: Point, depth: f64) -> bool {
+        let mut asperities = self.layout.asperities.iter();
+        asperities.any(|asperity| {
+            let [x, y] = [0, 1].map(|k| at[k] - asperity.apex[k]);
+            let edge = radius_at_floor(asperity, depth);
+            x.hypot(y) <= (1.0 + AT_EDGE) * edge
+        })
     }
 
     fn gap_at(&self, lowest: &FloorPoint, indentation: f64) -> AsperityFloorGap {

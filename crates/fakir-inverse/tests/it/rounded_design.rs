@@ -1,0 +1,241 @@
+//! Designs and samples of rounded tops, against closed forms, laws of scaling and contacts that are solved again.
+
+use fakir::problem::{CyclePlan, Load, UnloadingPoint};
+use fakir::state::{Run, Solution};
+use fakir_case::{AnyCase, AsperityCase, CaseFile, Key};
+use fakir_inverse::design::{Design, DesignError, Limit, Reached, Wanted, design};
+use fakir_inverse::spread::{Deviation, Landing, Sampling, Spread, SpreadError, Tolerance, spread};
+use std::f64::consts::PI;
+
+/// Nine rubber tops under a rigid lens.
+const TOPS: &str = "[lens]\nradius = \"3 mm\"\nyoung_modulus = \"1e9 GPa\"\npoisson_ratio = 0.5\n\
+                    [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
+                    [pattern]\nlattice = \"square\"\npitch = \"60 um\"\ncolumns = 3\ntop_radius = \"100 um\"\n\
+                    [pattern.pillar]\nheight = \"2 um\"\ndiameter = \"24 um\"\n";
+
+fn file(overrides: &[&str]) -> CaseFile {
+    let mut file = CaseFile::parse("tops.toml", TOPS).unwrap();
+    for argument in overrides {
+        file.set(argument).unwrap();
+    }
+    file
+}
+
+fn critical_force(case: &AsperityCase) -> f64 {
+    let critical = case.field.transition(case.accuracy, &Run::default());
+    critical.unwrap().contact.force
+}
+
+fn found(file: &CaseFile, free: Key, wanted: Wanted) -> (f64, f64, AsperityCase) {
+    match design(file, free, wanted, &Run::default()).unwrap() {
+        Design::Found {
+            candidate,
+            sensitivity,
+        } => {
+            let AnyCase::Asperities(case) = candidate.case else {
+                panic!("rounded tops");
+            };
+            (candidate.value, sensitivity, *case)
+        }
+        other => panic!("{free}: {other:?}"),
+    }
+}
+
+/// Takes the critical force of a case, changes one quantity, and finds it again; the critical force of the resulting case file is the
+/// target.
+#[test]
+fn every_free_quantity_of_rounded_tops_is_found_again() {
+    let file = file(&[]);
+    let force = critical_force(&file.asperity_case().unwrap());
+    for free in [
+        Key::Pitch,
+        Key::TopRadius,
+        Key::PillarHeight,
+        Key::PillarDiameter,
+        Key::LensRadius,
+    ] {
+        let truth = file.given(free).unwrap().unwrap();
+        let mut other = file.clone();
+        other.set_number(free, 0.9 * truth);
+        let (value, sensitivity, case) = found(&other, free, Wanted::Force(force));
+        println!("{free}: {value:e}, sensitivity {sensitivity}");
+        assert!(
+            (value / truth - 1.0).abs() < 1e-6 / sensitivity.abs().min(1.0),
+            "{free}: {value:e}"
+        );
+        let written = CaseFile::parse("found", &case.to_toml()).unwrap();
+        let again = critical_force(&written.asperity_case().unwrap());
+        assert!((again / force - 1.0).abs() < 1e-8, "{free}");
+    }
+}
+
+/// All forces are proportional to the modulus of the substrate, as the lens is rigid and columns have the same modulus. A missing radius of
+/// curvature, and a contact radius, can be searched for too.
+#[test]
+fn designs_of_rounded_tops_obey_scaling() {
+    let file = file(&[]);
+    let force = critical_force(&file.asperity_case().unwrap());
+    let wanted = Wanted::Force(3.0 * force);
+    let (value, sensitivity, _) = found(&file, Key::SubstrateYoungModulus, wanted);
+    assert!((value / 6e6 - 1.0).abs() < 1e-8, "{value:e}");
+    assert!((sensitivity - 1.0).abs() < 1e-6, "{sensitivity}");
+    // All lengths twice as large: so is the contact radius.
+    let case = file.asperity_case().unwrap();
+    let critical = case.field.transition(case.accuracy, &Run::default());
+    let radius = critical.unwrap().contact_radius();
+    let wide = self::file(&[
+        "lens.radius=6mm",
+        "pattern.pitch=120um",
+        "pattern.pillar.diameter=48um",
+        "pattern.top_radius=200um",
+    ]);
+    let wanted = Wanted::ContactRadius(2.0 * radius);
+    let (value, ..) = found(&wide, Key::PillarHeight, wanted);
+    assert!((value / 4e-6 - 1.0).abs() < 1e-5, "{value:e}");
+}
+
+/// Johnson, Kendall and Roberts: a single top is pulled off by `3/2 pi w R` with the relative radius of curvature, after any load.
+#[test]
+fn a_pull_off_force_of_rounded_tops_is_found() {
+    let file = file(&["pattern.columns=1", "adhesion.work=20mJ/m2"]);
+    let (work, lens) = (20e-3, 3e-3);
+    for load in [Load::FloorContact, Load::Indentation(1e-6)] {
+        let relative: f64 = 50e-6;
+        let force = 1.5 * PI * work * relative;
+        let wanted = Wanted::PullOff { force, load };
+        let (value, ..) = found(&file, Key::TopRadius, wanted);
+        let expected = (relative.recip() - f64::recip(lens)).recip();
+        assert!((value / expected - 1.0).abs() < 1e-6, "{value:e}");
+    }
+}
+
+#[test]
+fn unattainable_targets_of_rounded_tops_are_answered_with_the_nearest() {
+    let file = file(&[]);
+    let wanted = Wanted::Force(1e3);
+    let answer = design(&file, Key::Pitch, wanted, &Run::default()).unwrap();
+    let Design::OutOfReach { nearest, limit, .. } = answer else {
+        panic!("{answer:?}");
+    };
+    assert!(matches!(nearest.reached, Reached::CriticalOfTops(_)));
+    assert!(
+        matches!(limit, Limit::Range | Limit::Solver(_)),
+        "{limit:?}"
+    );
+    // A plate has no transition.
+    let plate = self::file(&["lens.shape=plate"]);
+    let refused = design(&plate, Key::Pitch, Wanted::Force(1e-3), &Run::default());
+    let message = refused.unwrap_err().to_string();
+    assert!(message.contains("has no transition"), "{message}");
+    let share = Wanted::FloorShare {
+        share: 0.1,
+        load: Load::Force(1e-3),
+    };
+    let refused = design(&file, Key::Pitch, share, &Run::default());
+    assert!(matches!(refused, Err(DesignError::Case(_))), "{refused:?}");
+}
+
+fn samples(file: &CaseFile, sampling: &Sampling) -> Spread {
+    spread(file, sampling, &Run::default(), &|_| {}).unwrap()
+}
+
+fn sampling(tolerances: Vec<Tolerance>, landing: Landing, samples: usize) -> Sampling {
+    Sampling {
+        tolerances,
+        landing,
+        indentations: vec![1.5e-6],
+        samples,
+        seed: 3,
+    }
+}
+
+fn relative(key: Key, part: f64) -> Tolerance {
+    Tolerance {
+        key,
+        deviation: Deviation::Relative(part),
+    }
+}
+
+/// Forces of every sample are proportional to its modulus.
+#[test]
+fn samples_of_rounded_tops_scale_with_the_modulus() {
+    let file = file(&[]);
+    let case = file.asperity_case().unwrap();
+    let critical = critical_force(&case);
+    let load = Load::Indentation(1.5e-6);
+    let pressed = case.field.press(load, case.accuracy, &Run::default());
+    let pressed = pressed.unwrap().force;
+    let tolerance = relative(Key::SubstrateYoungModulus, 0.1);
+    let spread = samples(&file, &sampling(vec![tolerance], Landing::AsGiven, 6));
+    assert_eq!(spread.found().count(), 6);
+    for sample in &spread.samples {
+        let times = sample.values[0] / 2e6;
+        let force = sample.outcome.as_ref().unwrap().force;
+        assert!((force / critical / times - 1.0).abs() < 1e-8);
+        assert!((sample.forces[0] / pressed / times - 1.0).abs() < 1e-8);
+    }
+}
+
+/// Samples land anywhere, have their own heights and vacancies, and equal the case with their values.
+#[test]
+fn samples_of_rounded_tops_are_cases() {
+    let file = file(&[
+        "pattern.height_standard_deviation=0.05",
+        "pattern.vacancy_fraction=0.1",
+    ]);
+    let tolerance = relative(Key::TopRadius, 0.02);
+    let spread = samples(&file, &sampling(vec![tolerance], Landing::Anywhere, 4));
+    let mut last = f64::NAN;
+    for sample in &spread.samples {
+        let mut file = file.clone();
+        file.set_number(Key::TopRadius, sample.values[0]);
+        file.set_number(Key::Offset, sample.offset);
+        file.set_number(Key::OffsetAngle, sample.offset_angle);
+        let seed = sample.pillar_seed.expect("pillars scatter");
+        file.set_number(Key::PillarSeed, f64::from(seed));
+        let case = file.asperity_case().unwrap();
+        let critical = case.field.transition(case.accuracy, &Run::default());
+        let found = sample.outcome.as_ref().unwrap();
+        let force = critical.unwrap().contact.force;
+        assert!(force.total_cmp(&found.force).is_eq());
+        assert!(!found.force.total_cmp(&last).is_eq());
+        last = found.force;
+    }
+}
+
+/// The pull-off force of one top is proportional to the work of adhesion (Johnson, Kendall and Roberts), after the critical state.
+#[test]
+fn samples_of_adhesive_rounded_tops_are_unloaded() {
+    let file = file(&["pattern.columns=1", "adhesion.work=20mJ/m2"]);
+    let tolerance = relative(Key::WorkOfAdhesion, 0.1);
+    let spread = samples(&file, &sampling(vec![tolerance], Landing::AsGiven, 3));
+    let curvature = f64::recip(100e-6) + f64::recip(3e-3);
+    for sample in &spread.samples {
+        let pull_off = sample.outcome.as_ref().unwrap().pull_off.expect("adhesion");
+        let expected = -1.5 * PI * sample.values[0] / curvature;
+        assert!((pull_off.force / expected - 1.0).abs() < 1e-8);
+        let mut file = file.clone();
+        file.set_number(Key::WorkOfAdhesion, sample.values[0]);
+        let case = file.asperity_case().unwrap();
+        let critical = case.field.transition(case.accuracy, &Run::default());
+        let critical = critical.unwrap().contact;
+        let plan = CyclePlan {
+            turn: UnloadingPoint::Indentation(critical.indentation),
+            ..CyclePlan::default()
+        };
+        let cycle = case.field.cycle(plan, case.accuracy, &Run::default());
+        let cycle = cycle.unwrap();
+        assert!(cycle.is_answer());
+        let hysteresis = cycle.loop_area.unwrap();
+        assert!((pull_off.hysteresis / hysteresis - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn samples_of_listed_or_flat_surfaces_are_refused() {
+    let plate = file(&["lens.shape=plate"]);
+    let sampling = sampling(Vec::new(), Landing::AsGiven, 2);
+    let refused = spread(&plate, &sampling, &Run::default(), &|_| {}).unwrap_err();
+    assert!(matches!(refused, SpreadError::Case(_)), "{refused}");
+    assert!(refused.to_string().contains("has no transition"));
+}
