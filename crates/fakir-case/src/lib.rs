@@ -85,6 +85,7 @@
 mod any_case;
 mod archive;
 mod asperities;
+mod asperity_gradient;
 mod case;
 mod columns;
 mod entries;
@@ -124,6 +125,7 @@ mod value_schema;
 
 pub use any_case::AnyCase;
 pub use asperities::AsperityCase;
+pub use asperity_gradient::AsperityCaseGradient;
 pub use case::Case;
 pub use error::CaseError;
 pub use file::CaseFile;

@@ -240,7 +240,7 @@ keys! {
                 .unwritten(|p| p.pattern.arrangement.is_plain());
         TopRadius = "pattern.top_radius" is
             length("radius of curvature of rounded pillar tops, which then need no diameter; supported by fakir press, approach, cycle, sweep and design --free heights", |p| &mut p.pattern.top_radius)
-                .label("top radius").positive().otherwise("tops are flat")
+                .label("top radius").positive().otherwise("tops are flat").of(Quantity::TopRadius)
                 .unwritten(|_| true);
         PillarDiameter = "pattern.pillar.diameter" is
             length("diameter of a pillar", |p| &mut p.pattern.pillar.diameter)

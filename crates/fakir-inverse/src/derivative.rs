@@ -3,7 +3,7 @@
 
 use fakir::problem::Quantity;
 use fakir::state::Derivatives;
-use fakir_case::{Case, CaseError, CaseFile, Key};
+use fakir_case::{AnyCase, Case, CaseError, CaseFile, Key};
 
 /// Properties of the case that derivatives with respect to a key require.
 pub(crate) struct ByKey {
@@ -18,6 +18,22 @@ pub(crate) struct ByKey {
 }
 
 impl ByKey {
+    /// Of a case with flat or rounded tops.
+    pub(crate) fn of_case(file: &CaseFile, case: &AnyCase) -> Result<Self, CaseError> {
+        let case = match case {
+            AnyCase::Pillars(case) => return Self::new(file, case),
+            other => other,
+        };
+        let number = |key| case.number(key).unwrap_or(f64::NAN);
+        Ok(Self {
+            fraction: file.given(Key::SurfaceFraction)?,
+            diameter: number(Key::PillarDiameter),
+            pitch: number(Key::Pitch),
+            scales_all: file.given(Key::PitchY)?.is_none(),
+            has_heights: true,
+        })
+    }
+
     pub(crate) fn new(file: &CaseFile, case: &Case) -> Result<Self, CaseError> {
         let arrangement = case.system.arrangement();
         let has_heights =

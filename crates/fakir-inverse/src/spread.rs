@@ -284,18 +284,26 @@ fn first_order(
     if varied.is_empty() && disorder.is_none() {
         return Ok(Err("only the place of landing varies".to_owned()));
     }
-    let AnyCase::Pillars(case) = case else {
-        return Ok(Err("rounded tops have no derivatives".to_owned()));
+    let load = Load::FloorContact;
+    let (found, height) = match case {
+        AnyCase::Pillars(case) => {
+            let found = fakir::gradient(&case.system, load, case.method, run);
+            let found = found.map(|it| [it.force, it.indentation]);
+            (found, case.system.pillar().height)
+        }
+        AnyCase::Asperities(case) => {
+            let found = case.gradient(load, run).map(|it| it.gradient);
+            (found.map(|it| [it.force, it.indentation]), case.height)
+        }
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => (Err(SolveError::NoFloor), 0.0),
     };
-    let gradient = match fakir::gradient(&case.system, Load::FloorContact, case.method, run) {
+    let [of_force, of_indentation] = match found {
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
         Err(error) => return Ok(Err(error.to_string())),
-        Ok(gradient) => gradient,
+        Ok(derivatives) => derivatives,
     };
-    let by_key = ByKey::new(file, case)?;
-    let height_deviation = disorder.map_or(0.0, |it| {
-        it.heights.standard_deviation() * case.system.pillar().height
-    });
+    let by_key = ByKey::of_case(file, case)?;
+    let height_deviation = disorder.map_or(0.0, |it| it.heights.standard_deviation() * height);
     let deviation = |derivatives: &Option<Derivatives>| -> Result<f64, String> {
         let derivatives = derivatives
             .as_ref()
@@ -312,8 +320,8 @@ fn first_order(
         }
         Ok(variance.sqrt())
     };
-    let both = deviation(&gradient.force).and_then(|force| {
-        let indentation = deviation(&gradient.indentation)?;
+    let both = deviation(&of_force).and_then(|force| {
+        let indentation = deviation(&of_indentation)?;
         Ok(FirstOrder { force, indentation })
     });
     Ok(both)

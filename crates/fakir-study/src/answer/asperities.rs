@@ -8,7 +8,7 @@ use crate::fields::FieldMap;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
-use crate::record::{AsperityAnswer, AsperityCritical, Record, indenter_name};
+use crate::record::{AsperityAnswer, AsperityCritical, GradientObject, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
 use crate::report::state::{
     QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
@@ -18,7 +18,7 @@ use crate::result::{
     AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     csv, json, left_out_words,
 };
-use fakir::problem::{CyclePlan, Feature, Interactions, Question, Solver, UnloadingPoint};
+use fakir::problem::{CyclePlan, Feature, Interactions, Load, Question, Solver, UnloadingPoint};
 use fakir::state::{
     AsperityContact, AsperityCycle, AsperityState, CycleEventKind, Limit, PillarStatus, Regime,
     Run, Solution, SolveError,
@@ -91,6 +91,20 @@ impl Kind for AsperityCase {
             ));
         }
         Ok(())
+    }
+
+    fn with_gradient(
+        &self,
+        load: Load,
+        run: &Run<'_>,
+    ) -> Result<(Reached<AsperityContact>, GradientObject), AnswerError> {
+        let found = self.gradient(load, run)?;
+        let gradient = GradientObject::from(&found.gradient);
+        let reached = match found.critical {
+            Some(critical) => Reached::Critical(critical),
+            None => Reached::Contact(found.gradient.contact),
+        };
+        Ok((reached, gradient))
     }
 
     fn cycle(
