@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import AnyLens, Substrate, lens_of, refuse_layers
-from ._cycle import Adhesion, Drive, plan_with_end
-from ._design import SEED
+from ._cycle import Adhesion, Drive, checked_plan
 from ._floor import FloorContact
 from ._format import Row, engineering
+from ._gradient import Gradient
 from ._history import Viscoelastic
 from ._numbers import AsperityCycleNumbers, AsperityPressNumbers, AsperityTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, flat, points_at, si
 from ._result import Result
 from ._run import Progress, options, warn, warn_of_interactions
-from ._settings import Overrides, load, overrides_of, settings
+from ._settings import SEED, Overrides, load, load_or_critical, overrides_of, settings
 from ._verification import Difference, Opinion, checked_cells
 from .errors import NotConverged
 from .bem import Plate, indenter_settings
@@ -261,6 +261,32 @@ class AsperityArray(Viscoelastic):
             raise NotConverged(f"the solution {result.termination}", result)
         return result
 
+    def gradient(
+        self,
+        *,
+        indentation: Quantity | None = None,
+        force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> Gradient[AsperityContact]:
+        """Computes the contact at an indentation (m) or under a force (N), or the critical state, with its exact derivatives.
+
+        They are with respect to the numbers of the case, by their keys, and to the height of every top in contact, whose index ``i`` is
+        its number. With adhesion they are those of the contact on loading.
+
+        Raises
+        ------
+        SolveError
+            If there is no such contact, or it has no gradient, with the reason.
+        """
+        run = options(threads, progress, memory_limit)
+        question = load_or_critical(indentation, force)
+        found, summary = _fakir.gradient_asperities(self._asperities, *question, run)
+        warn(found.warnings)
+        contact = found.contact if isinstance(found, _fakir.AsperityTransition) else found
+        return Gradient(AsperityContact(self, contact), json.loads(summary))
+
     @property
     def adhesion(self) -> Adhesion | None:
         """The adhesion of the tops; None without."""
@@ -279,8 +305,9 @@ class AsperityArray(Viscoelastic):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> AsperityCycle:
-        """Computes loading and unloading with adhesion; parameters as in `System.cycle`, with a required end of loading."""
-        plan = plan_with_end(to, to_force, drive, machine_stiffness, retract)
+        """Computes loading, up to the critical state unless another end is given, and unloading with adhesion; parameters as in
+        `System.cycle`."""
+        plan = checked_plan(to, to_force, drive, machine_stiffness, retract)
         run = options(threads, progress, memory_limit)
         answer, curve, events = _fakir.cycle_asperities(self._asperities, *plan, run)
         warn(answer.warnings)

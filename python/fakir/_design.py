@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from . import _fakir
+from ._asperities import AsperityArray, AsperityContact, AsperityCycle, AsperityTransition
 from ._cycle import Cycle
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, si
 from ._result import Result
 from ._run import Progress, options, warn_of_interactions
+from ._settings import SAMPLES, SEED
 from ._state import ContactState, CriticalState, radius
 from ._system import System
 from .errors import DesignError
@@ -28,25 +30,30 @@ class Candidate(NamedTuple):
 
     value: float
     """The value of the free key, in SI units."""
-    system: System
-    """The system with this value."""
-    reached: CriticalState | ContactState | Cycle
+    system: System | AsperityArray
+    """The system, or the rounded tops, with this value."""
+    reached: CriticalState | ContactState | Cycle | AsperityTransition | AsperityCycle
     """Its critical state; its contact under the load for a target floor share; its cycle for a target pull-off force."""
 
     @property
-    def critical(self) -> CriticalState:
+    def critical(self) -> CriticalState | AsperityTransition:
         """Its critical state; computed on access for a target floor share or pull-off force."""
-        return self.reached if isinstance(self.reached, CriticalState) else self.system.transition()
+        reached = self.reached
+        return reached if isinstance(reached, (CriticalState, AsperityTransition)) else self.system.transition()
 
     @property
-    def cycle(self) -> Cycle:
+    def cycle(self) -> Cycle | AsperityCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
-        return self.reached if isinstance(self.reached, Cycle) else self.system.cycle()
+        reached = self.reached
+        return reached if isinstance(reached, (Cycle, AsperityCycle)) else self.system.cycle()
 
     @property
-    def state(self) -> ContactState:
+    def state(self) -> ContactState | AsperityContact:
         """Its contact: critical, or under the load for a target floor share."""
-        return self.reached if isinstance(self.reached, ContactState) else self.critical.state
+        if isinstance(self.reached, ContactState):
+            return self.reached
+        critical = self.critical
+        return critical.contact if isinstance(critical, AsperityTransition) else critical.state
 
 
 class Design(Result):
@@ -58,8 +65,8 @@ class Design(Result):
     """The free key."""
     value: float
     """Its value, in SI units."""
-    system: System
-    """The system with this value."""
+    system: System | AsperityArray
+    """The system, or the rounded tops, with this value."""
     sensitivity: float
     """Relative change of the result divided by that of the value: the required manufacturing accuracy."""
 
@@ -72,17 +79,17 @@ class Design(Result):
         self.value, self.system = found.value, found.system
 
     @property
-    def critical(self) -> CriticalState:
+    def critical(self) -> CriticalState | AsperityTransition:
         """Its critical state; computed on access for a target floor share or pull-off force."""
         return self._found.critical
 
     @property
-    def cycle(self) -> Cycle:
+    def cycle(self) -> Cycle | AsperityCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         return self._found.cycle
 
     @property
-    def state(self) -> ContactState:
+    def state(self) -> ContactState | AsperityContact:
         """Its contact: critical, or under the load for a target floor share."""
         return self._found.state
 
@@ -91,7 +98,7 @@ class Design(Result):
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
         reached = self._found.reached
         contact: list[Row]
-        if isinstance(reached, Cycle):
+        if isinstance(reached, (Cycle, AsperityCycle, AsperityTransition)):
             contact = reached._rows()
         elif isinstance(reached, CriticalState):
             contact = [
@@ -122,7 +129,7 @@ class OutOfReach(DesignError):
 
 
 def design(
-    system: System,
+    system: System | AsperityArray,
     free: str,
     *,
     critical_force: Quantity | None = None,
@@ -142,11 +149,13 @@ def design(
     Parameters
     ----------
     system
-        All other quantities; its value of ``free`` is the initial value.
+        All other quantities; its value of ``free`` is the initial value. Rounded tops, which support no floor share, must be those of
+        a case file.
     free
         Key of the quantity: ``"pattern.pitch"``, ``"pattern.surface_fraction"``, ``"pattern.pillar.height"``,
         ``"pattern.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
-        ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base.
+        ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base; for rounded tops also
+        ``"pattern.top_radius"``.
     critical_force, critical_contact_radius
         Target of the critical state (N, m).
     floor_share, at_force, at_indentation
@@ -200,11 +209,12 @@ def design(
     )
     wanted_pull = None if pull_off is None else (si(pull_off, "force", "pull_off"), *load)
     wanted = (wanted_force, wanted_radius, wanted_share, wanted_pull)
-    warn_of_interactions(system._case, "design", depth=1)
-    summary, found = _fakir.design(system._case, free, wanted, run)
+    problem = system._problem()
+    warn_of_interactions(problem, "design", depth=1)
+    summary, found = _fakir.design(problem, free, wanted, run)
     answer = json.loads(summary)
     candidates = [
-        Candidate(value, System._of(case), _reached(reached, system))
+        _candidate(value, case, reached)
         for value, case, reached in found
     ]
     if answer["design"]["status"] == "found":
@@ -212,14 +222,18 @@ def design(
     raise OutOfReach(answer["design"]["statement"], candidates)
 
 
-def _reached(
-    found: _fakir.Critical | _fakir.State | _fakir.Cycle, system: System
-) -> CriticalState | ContactState | Cycle:
+def _candidate(value: float, case: _fakir.Case | _fakir.Asperities, found: Any) -> Candidate:
+    if isinstance(case, _fakir.Asperities):
+        tops = AsperityArray._of(case)
+        if isinstance(found, _fakir.AsperityTransition):
+            return Candidate(value, tops, AsperityTransition(AsperityContact(tops, found.contact), found))
+        return Candidate(value, tops, AsperityCycle(*found))
+    system = System._of(case)
     if isinstance(found, _fakir.Cycle):
-        return Cycle(found, system)
+        return Candidate(value, system, Cycle(found, system))
     if isinstance(found, _fakir.State):
-        return ContactState(found, system)
-    return CriticalState(found, system)
+        return Candidate(value, system, ContactState(found, system))
+    return Candidate(value, system, CriticalState(found, system))
 
 
 def _renamed(
@@ -323,14 +337,11 @@ class Spread(Result):
         return [*rows, ("samples", f"{len(self)}, {failed} without a critical state")]
 
 
-_SAMPLES, SEED = _fakir.sampling_defaults()
-
-
 def spread(
-    system: System,
+    system: System | AsperityArray,
     tolerances: Mapping[str, Quantity],
     *,
-    samples: int = _SAMPLES,
+    samples: int = SAMPLES,
     seed: int = SEED,
     landing: str = "anywhere",
     force_at: Sequence[Quantity] = (),
@@ -342,6 +353,8 @@ def spread(
 
     Parameters
     ----------
+    system
+        Pillars, or rounded tops of a case file.
     tolerances
         Standard deviations by key: ``{"pattern.pillar.height": "5 %", "pattern.pitch": "0.1 um"}``, as a fraction of the value
         with ``%``, otherwise in SI units or with a unit.
@@ -360,9 +373,10 @@ def spread(
     deviations = [_tolerance(key, value) for key, value in tolerances.items()]
     indentations = [si(value, "length", "force_at") for value in force_at]
     run = options(threads, progress, memory_limit)
-    warn_of_interactions(system._case, "design", depth=1)
+    problem = system._problem()
+    warn_of_interactions(problem, "design", depth=1)
     summary, columns = _fakir.spread(
-        system._case, deviations, landing == "anywhere", indentations, (samples, seed), run
+        problem, deviations, landing == "anywhere", indentations, (samples, seed), run
     )
     return Spread(json.loads(summary), dict(columns))
 

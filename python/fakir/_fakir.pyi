@@ -298,7 +298,7 @@ class Ledger:
     def close(self) -> None: ...
 
 def design(
-    case: Case,
+    case: Case | Asperities,
     free: str,
     wanted: tuple[
         float | None,
@@ -307,11 +307,28 @@ def design(
         tuple[float, float | None, float | None] | None,
     ],
     options: Options,
-) -> tuple[str, list[tuple[float, Case, Critical | State | Cycle]]]: ...
+) -> tuple[
+    str,
+    list[
+        tuple[
+            float,
+            Case | Asperities,
+            Critical
+            | State
+            | Cycle
+            | AsperityTransition
+            | tuple[
+                Answer,
+                list[tuple[str, float, float, float, int]],
+                list[tuple[str, str, int, float, float, float]],
+            ],
+        ]
+    ],
+]: ...
 def sampling_defaults() -> tuple[int, int]: ...
 def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(
-    case: Case,
+    case: Case | Asperities,
     tolerances: Sequence[tuple[str, float, bool]],
     anywhere: bool,
     indentations: Sequence[float],
@@ -371,6 +388,9 @@ def asperity_transition(tops: Asperities, options: Options) -> AsperityTransitio
 def press_asperities(
     tops: Asperities, indentation: float | None, force: float | None, options: Options
 ) -> AsperityContact: ...
+def gradient_asperities(
+    tops: Asperities, indentation: float | None, force: float | None, options: Options
+) -> tuple[AsperityContact | AsperityTransition, str]: ...
 def verify_asperities(
     tops: Asperities, indentation: float | None, force: float | None, cells: int, options: Options
 ) -> tuple[str, AsperityContact]: ...

@@ -7,9 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from . import _fakir
 from ._quantity import Quantity, WithUnit, si
 
 Overrides = Mapping[str, Quantity]
+
+SAMPLES, SEED = _fakir.sampling_defaults()
+"""Default number of random samples, and default seed."""
 
 
 def load(

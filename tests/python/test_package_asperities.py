@@ -225,3 +225,61 @@ def test_a_floor_under_rounded_tops_is_not_adhesive():
         fakir.AsperityArray(
             0.0, 0.0, "1 um", "0.5 mm", GLASS, RUBBER, adhesion=fakir.Adhesion(0.05, floor=True)
         )
+
+
+LOW = """
+[lens]
+radius = "3 mm"
+young_modulus = "70 GPa"
+poisson_ratio = 0.2
+[substrate]
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+[pattern]
+lattice = "square"
+pitch = "60 um"
+columns = 3
+top_radius = "100 um"
+[pattern.pillar]
+height = "2 um"
+diameter = "24 um"
+"""
+
+
+def test_designs_and_samples_of_rounded_tops():
+    """The tops that are found have the target; the moduli of samples scale their forces (the lens is almost rigid)."""
+    low = fakir.AsperityArray.from_toml(LOW)
+    force = low.transition().force
+    found = fakir.design(low, "pattern.top_radius", critical_force=1.05 * force)
+    assert isinstance(found.system, fakir.AsperityArray) and found.system.top_radius == found.value
+    assert found.system.transition().force == pytest.approx(1.05 * force, rel=1e-8)
+    assert found.critical.force == pytest.approx(1.05 * force, rel=1e-8) and "sensitivity" in str(found)
+    assert found.state.force == found.critical.force and found.to_dict()["tops"] == "rounded"
+    spread = fakir.spread(low, {"substrate.young_modulus": "10 %"}, samples=3, landing="as_given")
+    moduli = spread.to_pandas()["substrate.young_modulus_Pa"].to_numpy()
+    assert spread.force == pytest.approx(force * moduli / 2e6, rel=1e-4)
+    adhesive = fakir.AsperityArray.from_toml(LOW.replace("columns = 3", "columns = 1"), {"adhesion.work": "20 mJ/m2"})
+    pulled = fakir.design(adhesive, "pattern.top_radius", pull_off="5 uN")
+    curvature = 1 / pulled.value + 1 / 3e-3
+    assert 1.5 * np.pi * 20e-3 / curvature == pytest.approx(5e-6, rel=1e-6)
+    assert pulled.cycle.pull_off_force == pytest.approx(-5e-6, rel=1e-6)
+    whole = adhesive.cycle()
+    assert whole.turn_indentation == pytest.approx(adhesive.transition().indentation, rel=1e-9)
+    with pytest.raises(fakir.CaseError, match="floor contact is not computed"):
+        fakir.design(low, "pattern.pitch", floor_share=0.1, at_force="1 mN")
+
+
+def test_derivatives_of_rounded_tops():
+    """Central differences, and Hertz: R dF/dR = F/2 under a plate."""
+    one = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER)
+    found = one.gradient(indentation="2 um")
+    assert 526e-6 * found.force["pattern.top_radius"] == pytest.approx(0.5 * found.state.force, rel=1e-9)
+    assert found.indentation is None and found.contact_area is not None and len(found.pillars) == 1
+    low = fakir.AsperityArray.from_toml(LOW)
+    gradient = low.gradient()
+    forces = [
+        fakir.AsperityArray.from_toml(LOW, {"pattern.pitch": pitch}).transition().force
+        for pitch in (60e-6 - 1e-10, 60e-6 + 1e-10)
+    ]
+    assert gradient.force["pattern.pitch"] == pytest.approx((forces[1] - forces[0]) / 2e-10, rel=1e-4)
+    assert gradient.stiffness > 0 and "stiffness" in str(gradient)

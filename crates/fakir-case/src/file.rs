@@ -288,7 +288,7 @@ impl CaseFile {
         if self.is_rounded() {
             return Err(self
                 .problem(Key::TopRadius, "this is computed for flat pillar tops only")
-                .accepted("leave it out; rounded tops are supported by `press`, `transition`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design --free heights`"));
+                .accepted("leave it out; rounded tops are supported by `press`, `transition`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design`"));
         }
         if parts.shape.form == LensForm::Punch {
             self.answers(

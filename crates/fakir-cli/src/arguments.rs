@@ -876,8 +876,8 @@ pub(crate) enum CitedMethod {
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Parameter to determine: pitch, pitch_y, surface_fraction, pattern.pillar.height, pattern.pillar.diameter, lens.radius,
-    /// lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
+    /// Parameter to determine: pitch, pitch_y, surface_fraction, pattern.top_radius, pattern.pillar.height, pattern.pillar.diameter,
+    /// lens.radius, lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
     /// substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
     #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
     free: Option<Free>,
@@ -1517,7 +1517,7 @@ pub(crate) struct ModulusArguments {
 #[derive(Debug, Clone, Copy, Args)]
 pub(crate) struct GradientArguments {
     /// Compute the exact derivatives of force and indentation too, with respect to the numbers of the case and to the height of every
-    /// pillar: with the method spectral and without adhesion, also past the transition; or on a flat surface
+    /// pillar: with the method spectral and without adhesion, also past the transition; or on rounded tops or a flat surface
     #[arg(long)]
     gradient: bool,
 }

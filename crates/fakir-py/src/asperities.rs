@@ -4,7 +4,7 @@ use crate::answer::Answer;
 use crate::error::{
     PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
-use crate::load::{load, plan};
+use crate::load::{load, load_or_critical, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
@@ -17,7 +17,7 @@ use fakir_case::{AsperityCase, CaseFile};
 use fakir_inverse::HeightsSummary;
 use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
-use fakir_study::record::{AsperityAnswer, AsperityCritical};
+use fakir_study::record::{AsperityAnswer, AsperityCritical, GradientObject};
 use fakir_study::result::{
     self, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     asperity_press, asperity_warnings, json,
@@ -183,6 +183,12 @@ impl Asperities {
     }
 }
 
+impl From<AsperityCase> for Asperities {
+    fn from(case: AsperityCase) -> Self {
+        Self { case }
+    }
+}
+
 impl Asperities {
     /// The case as a case file.
     pub(crate) fn text(&self) -> String {
@@ -195,7 +201,7 @@ impl Asperities {
         match file.asperity_case() {
             Ok(case) if case.field == self.case.field => Ok(file),
             _ => Err(value_error(
-                "rounded tops are fitted for a case file: save them with to_toml and to_csv, and read the case with fakir.read_case",
+                "rounded tops are fitted and designed for a case file: save them with to_toml and to_csv, and read the case with fakir.read_case",
             )),
         }
     }
@@ -335,13 +341,51 @@ pub(crate) fn asperity_transition(
         case.field.transition(case.accuracy, run)
     })?;
     let found = found.map_err(|error| solve_error(&error))?;
+    AsperityTransition::made(py, case, found, start.elapsed().as_secs_f64())
+}
+
+impl AsperityTransition {
+    /// The critical state of a case, with the computing time in s.
+    pub(crate) fn made(
+        py: Python<'_>,
+        case: &AsperityCase,
+        found: state::Critical<state::AsperityContact>,
+        wall_time: f64,
+    ) -> PyResult<Py<Self>> {
+        let critical = AsperityCritical::of(case, &found);
+        let summary = json(&result::asperity_transition(critical, wall_time));
+        let warnings = asperity_warnings(critical.answer);
+        let answer = Answer::new(&critical, summary, found.contact.termination, warnings);
+        let contact = AsperityContact::made(py, case.clone(), found.contact, wall_time)?;
+        Py::new(py, (Self { contact }, answer))
+    }
+}
+
+/// The contact at an indentation (m) or under a force (N), or the critical state if neither is given; also returns the object that `--gradient` adds
+/// to the JSON output.
+#[pyfunction]
+pub(crate) fn gradient_asperities(
+    py: Python<'_>,
+    tops: &Asperities,
+    indentation: Option<f64>,
+    force: Option<f64>,
+    options: Options,
+) -> PyResult<(Py<PyAny>, String)> {
+    let load = load_or_critical(indentation, force);
+    let case = &tops.case;
+    let start = Instant::now();
+    let found = watched(py, &options, |run| case.gradient(load, run))?;
+    let found = found.map_err(|error| solve_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
-    let critical = AsperityCritical::of(case, &found);
-    let summary = json(&result::asperity_transition(critical, wall_time));
-    let warnings = asperity_warnings(critical.answer);
-    let answer = Answer::new(&critical, summary, found.contact.termination, warnings);
-    let contact = AsperityContact::made(py, case.clone(), found.contact, wall_time)?;
-    Py::new(py, (AsperityTransition { contact }, answer))
+    let summary = json(&GradientObject::from(&found.gradient));
+    let reached = match found.critical {
+        Some(critical) => AsperityTransition::made(py, case, critical, wall_time)?.into_any(),
+        None => {
+            let contact = found.gradient.contact;
+            AsperityContact::made(py, case.clone(), contact, wall_time)?.into_any()
+        }
+    };
+    Ok((reached, summary))
 }
 
 /// Points of a curve: branch, indentation (m), force (N), contact area (m^2) and number of tops in contact.
@@ -369,10 +413,19 @@ pub(crate) fn cycle_asperities(
         case.field.cycle(plan, case.accuracy, run)
     })?;
     let cycle = cycle.map_err(|error| solve_error(&error))?;
-    let wall_time = start.elapsed().as_secs_f64();
-    let summary = json(&asperity_cycle(&cycle, &case.field, None, wall_time));
-    let warnings = asperity_cycle_warnings(case, &cycle);
-    let answer = Answer::new(&cycle, summary, cycle.termination, warnings);
+    cycle_answer(py, case, &cycle, start.elapsed().as_secs_f64())
+}
+
+/// The numbers, the curve and the events of a cycle, with the computing time in s.
+pub(crate) fn cycle_answer(
+    py: Python<'_>,
+    case: &AsperityCase,
+    cycle: &state::AsperityCycle,
+    wall_time: f64,
+) -> PyResult<(Py<Answer>, CycleCurve, CycleEvents)> {
+    let summary = json(&asperity_cycle(cycle, &case.field, None, wall_time));
+    let warnings = asperity_cycle_warnings(case, cycle);
+    let answer = Answer::new(cycle, summary, cycle.termination, warnings);
     let steps = cycle.load_steps.iter().map(|step| {
         (
             step.branch.name(),

@@ -1,5 +1,6 @@
 //! Design, scatter and citations.
 
+use crate::asperities::{Asperities, AsperityTransition, cycle_answer};
 use crate::case::Case;
 use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
 use crate::load::{load, load_or_critical};
@@ -7,6 +8,7 @@ use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
 use crate::watched::{Options, watched};
+use fakir_case::{AnyCase, CaseFile};
 use fakir_inverse::DesignSummary;
 use fakir_inverse::design::{Answer, Candidate, Design, Reached, Wanted, free_key};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
@@ -17,7 +19,7 @@ use std::time::Instant;
 
 /// The object that `fakir design --json` prints, and value, case and contact of the result, or of the closest attainable one: a critical
 /// state, a contact under a load, or a cycle.
-type Designed = (String, Vec<(f64, Case, Py<PyAny>)>);
+type Designed = (String, Vec<(f64, Py<PyAny>, Py<PyAny>)>);
 
 /// A value with the force (N) or the indentation (m) at which it applies.
 type Loaded = (f64, Option<f64>, Option<f64>);
@@ -26,11 +28,34 @@ type Loaded = (f64, Option<f64>, Option<f64>);
 /// the lens is pulled off, if that is not the critical state.
 type WantedNumbers = (Option<f64>, Option<f64>, Option<Loaded>, Option<Loaded>);
 
+/// Pillars with flat or rounded tops.
+#[derive(FromPyObject)]
+pub(crate) enum Subject<'py> {
+    Flat(PyRef<'py, Case>),
+    Rounded(PyRef<'py, Asperities>),
+}
+
+impl Subject<'_> {
+    fn file(&self) -> PyResult<CaseFile> {
+        match self {
+            Self::Flat(case) => case.file(),
+            Self::Rounded(tops) => tops.file(),
+        }
+    }
+
+    fn any_case(&self) -> AnyCase {
+        match self {
+            Self::Flat(case) => AnyCase::Pillars(Box::new(case.case.clone())),
+            Self::Rounded(tops) => AnyCase::Asperities(Box::new(tops.case().clone())),
+        }
+    }
+}
+
 /// The value of a key that attains the target.
 #[pyfunction]
 pub(crate) fn design(
     py: Python<'_>,
-    case: &Case,
+    case: Subject<'_>,
     free: &str,
     wanted: WantedNumbers,
     options: Options,
@@ -58,25 +83,55 @@ pub(crate) fn design(
     })?;
     let wall_time = start.elapsed().as_secs_f64();
     let design = designed.map_err(|error| design_error(&error))?;
-    let method = case.case.method;
     let answer = Answer {
         free,
         wanted,
         design,
     };
-    let summary = json(&DesignSummary::new(method, Some(&answer), None, wall_time));
+    let described = &answer.nearest().case;
+    let summary = json(&DesignSummary::new(
+        described,
+        Some(&answer),
+        None,
+        wall_time,
+    ));
     let candidates = match answer.design {
         Design::Found { candidate, .. } => vec![candidate],
         Design::Jump(sides) => sides.into_iter().collect(),
         Design::OutOfReach { nearest, .. } => vec![nearest],
     };
     let candidate = |candidate: Candidate| {
-        let contact = match candidate.reached {
-            Reached::Critical(critical) => Critical::new(py, critical, wall_time)?.into_any(),
-            Reached::Pressed(state) => State::new(py, state, wall_time)?.into_any(),
-            Reached::PulledOff(cycle) => Cycle::new(py, *cycle, wall_time)?.into_any(),
+        let of_tops =
+            || value_error("these are results of other pillar tops than those of the case");
+        let found = match (candidate.case, candidate.reached) {
+            (AnyCase::Asperities(case), reached) => {
+                let tops = Asperities::from(*case);
+                let contact = match reached {
+                    Reached::CriticalOfTops(critical) => {
+                        AsperityTransition::made(py, tops.case(), *critical, wall_time)?.into_any()
+                    }
+                    Reached::PulledOffTops(cycle) => {
+                        let found = cycle_answer(py, tops.case(), &cycle, wall_time)?;
+                        found.into_pyobject(py)?.into_any().unbind()
+                    }
+                    _ => return Err(of_tops()),
+                };
+                (Py::new(py, tops)?.into_any(), contact)
+            }
+            (AnyCase::Pillars(case), reached) => {
+                let contact = match reached {
+                    Reached::Critical(critical) => {
+                        Critical::new(py, critical, wall_time)?.into_any()
+                    }
+                    Reached::Pressed(state) => State::new(py, state, wall_time)?.into_any(),
+                    Reached::PulledOff(cycle) => Cycle::new(py, *cycle, wall_time)?.into_any(),
+                    _ => return Err(of_tops()),
+                };
+                (Py::new(py, Case::from(*case))?.into_any(), contact)
+            }
+            _ => return Err(of_tops()),
         };
-        Ok((candidate.value, candidate.case.into(), contact))
+        Ok((candidate.value, found.0, found.1))
     };
     let candidates = candidates.into_iter().map(candidate);
     Ok((summary, candidates.collect::<PyResult<_>>()?))
@@ -105,7 +160,7 @@ pub(crate) fn parse_deviation(path: &str, text: &str) -> PyResult<(f64, bool)> {
 #[pyfunction]
 pub(crate) fn spread<'py>(
     py: Python<'py>,
-    case: &Case,
+    case: Subject<'_>,
     tolerances: Vec<(String, f64, bool)>,
     anywhere: bool,
     indentations: Vec<f64>,
@@ -146,7 +201,7 @@ pub(crate) fn spread<'py>(
     let spread = spread.map_err(|error| spread_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
     let scattered = Some((&sampling, &spread));
-    let summary = DesignSummary::new(case.case.method, None, scattered, wall_time);
+    let summary = DesignSummary::new(&case.any_case(), None, scattered, wall_time);
     Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 

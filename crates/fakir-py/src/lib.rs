@@ -34,7 +34,7 @@ mod _fakir {
     #[pymodule_export]
     use super::asperities::{
         Asperities, AsperityContact, AsperityTransition, asperity_transition, cycle_asperities,
-        design_heights, press_asperities, verify_asperities,
+        design_heights, gradient_asperities, press_asperities, verify_asperities,
     };
     #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};

@@ -140,7 +140,10 @@ fn what_rounded_tops_do_not_have_is_refused() {
             with("compliance = \"column\"\n"),
             "pattern.pillar.diameter: this key is missing",
         ),
-        (with("compliance = \"elastic\"\n"), "only for flat tops"),
+        (
+            with("compliance = \"elastic\"\n"),
+            "is that of a top in contact as a whole",
+        ),
         (
             set("pattern.top_radius=-1um"),
             "pattern.top_radius: cannot be",

@@ -308,7 +308,7 @@ fn what_makes_no_sense_is_status_2() {
         ),
         (
             &["--free", "pitch", "--critical-force", "1mN"],
-            "this is computed for flat pillar tops only",
+            "a cylinder or a plate has no transition",
         ),
         (
             &[&["--free", "heights", "--target", "curve.csv"][..], &set].concat(),
@@ -598,15 +598,18 @@ fn every_other_command_refuses_rounded_tops() {
             .stderr
             .contains("a cylinder or a plate has no transition")
     );
-    for arguments in [
-        &["theory", "case.toml"][..],
-        &["compare", "case.toml"],
-        &["design", "case.toml", "--samples", "3"],
+    for (arguments, message) in [
+        (&["theory", "case.toml"][..], "those of flat pillar tops"),
+        (&["compare", "case.toml"], "only one method computes"),
+        (
+            &["design", "case.toml", "--samples", "3", "--keep-offset"],
+            "has no transition",
+        ),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.status, Some(2), "{arguments:?} {}", outcome.stderr);
         assert!(
-            outcome.stderr.contains("flat pillar tops only"),
+            outcome.stderr.contains(message),
             "{arguments:?} {}",
             outcome.stderr
         );
@@ -615,12 +618,12 @@ fn every_other_command_refuses_rounded_tops() {
     assert_ne!(sweep.status, Some(0), "{} {}", sweep.stdout, sweep.stderr);
     for (option, message) in [
         (
-            &["--gradient"][..],
-            "derivatives are supported only for flat pillar tops",
+            &["--attraction-range", "5nm"][..],
+            "--attraction-range needs adhesive pillar tops",
         ),
         (
-            &["--attraction-range", "5nm"],
-            "--attraction-range needs adhesive pillar tops",
+            &["--set", "substrate.thickness=1mm"],
+            "the response of a half-space",
         ),
     ] {
         let press = ["press", "case.toml", "--force", "1mN"];
@@ -743,4 +746,64 @@ fn a_modulus_is_fitted_to_rounded_tops() {
     let found = bench.json(&[&fit[..], &set].concat());
     assert_eq!(found["method"], "rounded tops");
     assert_close(&found["parameters"][0]["value_Pa"], 1.5e6, 1e-3);
+}
+
+/// The case of a design has the target critical force, samples are saved, and derivatives are those of differences.
+#[test]
+fn rounded_tops_are_designed_sampled_and_differentiated() {
+    let bench = bench();
+    bench.write("low.toml", &low_pillars().replace("40 um", "20 um"));
+    let before = bench.json(&["transition", "low.toml"]);
+    let target = 1.03 * before["critical_force_N"].as_f64().unwrap();
+    let target_text = format!("{target:e}N");
+    let question = ["--free", "top_radius", "--critical-force", &target_text];
+    let samples = ["--samples", "3", "--tolerance", "pattern.pillar.height=1%"];
+    let rest = ["--keep-offset", "--output", "found"];
+    let arguments = [&["design", "low.toml"], &question[..], &samples, &rest].concat();
+    let answer = bench.json(&arguments);
+    assert_eq!(answer["tops"], "rounded");
+    let design = &answer["design"];
+    assert_eq!(design["status"], "found", "{answer}");
+    assert!(answer["spread"]["critical_force_N"]["mean"].is_number());
+    let header = bench.read("found/samples.csv");
+    assert!(
+        header.starts_with("sample,pattern.pillar.height_m"),
+        "{header}"
+    );
+    let force_at = |set: &str| {
+        let arguments = ["transition", "found/case.toml", "--gradient", "--set", set];
+        let found = bench.json(&arguments);
+        let force = found["critical_force_N"].as_f64().unwrap();
+        (force, found["gradient"].clone())
+    };
+    let radius = design["value_m"].as_f64().unwrap();
+    let set = |factor: f64| format!("pattern.top_radius={:e}", factor * radius);
+    let (force, gradient) = force_at(&set(1.0));
+    assert!((force / target - 1.0).abs() < 1e-8, "{force:e}");
+    let [(above, _), (below, _)] = [1.0 + 1e-5, 1.0 - 1e-5].map(|factor| force_at(&set(factor)));
+    let expected = (above - below) / (2e-5 * radius);
+    let slope = gradient["force_N"]["pattern.top_radius"].as_f64().unwrap();
+    assert!(
+        (slope / expected - 1.0).abs() < 1e-4,
+        "{slope:e} {expected:e}"
+    );
+    assert!(!gradient["pillars"].as_array().unwrap().is_empty());
+    let text = bench.result(&["transition", "found/case.toml", "--gradient"]);
+    assert!(
+        text.contains("Derivatives") && text.contains("pattern.top_radius"),
+        "{text}"
+    );
+    // Loading up to the critical state.
+    let work = ["--set", "adhesion.work=5mJ/m2"];
+    let cycle = bench.json(&[&["cycle", "found/case.toml"], &work[..]].concat());
+    let critical = bench.json(&[&["transition", "found/case.toml"], &work[..]].concat());
+    let ends = [
+        &cycle["turn_indentation_m"],
+        &critical["critical_indentation_m"],
+    ];
+    let [turn, critical] = ends.map(|value| value.as_f64().unwrap_or(f64::NAN));
+    assert!(
+        (turn / critical - 1.0).abs() < 1e-9,
+        "{turn:e} {critical:e}"
+    );
 }

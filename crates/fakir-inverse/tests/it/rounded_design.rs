@@ -239,3 +239,93 @@ fn samples_of_listed_or_flat_surfaces_are_refused() {
     assert!(matches!(refused, SpreadError::Case(_)), "{refused}");
     assert!(refused.to_string().contains("has no transition"));
 }
+
+/// Derivatives by every key of an oblique lattice with scattered heights, whose axis is off all lines of symmetry, equal central differences of
+/// cases with these keys; those by the height of a pillar equal differences of the table of pillars.
+#[test]
+fn derivatives_by_keys_are_central_differences() {
+    let file = file(&[
+        "pattern.lattice=oblique",
+        "pattern.pitch_y=66um",
+        "pattern.lattice_angle=80deg",
+        "pattern.offset=0.2",
+        "pattern.offset_angle=0.4",
+        "pattern.rotation=0.1",
+        "pattern.height_standard_deviation=0.03",
+        "lens.young_modulus=3MPa",
+    ]);
+    let run = Run::default();
+    let case = file.asperity_case().unwrap();
+    let load = Load::FloorContact;
+    let found = case.gradient(load, &run).unwrap();
+    let contact = &found.gradient.contact;
+    let solved = |case: &AsperityCase| {
+        let critical = case.field.transition(case.accuracy, &run).unwrap().contact;
+        [critical.force, critical.indentation, critical.area]
+    };
+    let values = [contact.force, contact.indentation, contact.area];
+    let of = &found.gradient;
+    let all = [&of.force, &of.indentation, &of.area].map(|it| it.as_ref().unwrap());
+    let mut keys = Vec::new();
+    for (place, (quantity, _)) in all[0].quantities.iter().enumerate() {
+        let key = Key::of(*quantity).unwrap();
+        let value = file.given(key).unwrap().unwrap();
+        let at = |step: f64| {
+            let mut file = file.clone();
+            file.set_number(key, value * (1.0 + step));
+            solved(&file.asperity_case().unwrap())
+        };
+        // Poisson's ratio of 1/2 is the largest one.
+        let (above, below) = match value >= 0.5 && key.path().ends_with("poisson_ratio") {
+            true => (at(0.0), at(-2e-5)),
+            false => (at(1e-5), at(-1e-5)),
+        };
+        for (k, result) in all.iter().enumerate() {
+            let expected = (above[k] - below[k]) / (2e-5 * value);
+            let off = (result.quantities[place].1 - expected) * value / values[k];
+            assert!(off.abs() < 1e-4, "{} of {k}: {off:e}", key.path());
+        }
+        keys.push(key.path());
+    }
+    for key in [
+        "lens.radius",
+        "lens.young_modulus",
+        "substrate.young_modulus",
+        "pattern.pitch",
+        "pattern.pitch_y",
+        "pattern.lattice_angle",
+        "pattern.offset",
+        "pattern.offset_angle",
+        "pattern.rotation",
+        "pattern.top_radius",
+        "pattern.pillar.diameter",
+        "pattern.pillar.height",
+    ] {
+        assert!(keys.contains(&key), "{key}");
+    }
+    // The nearest pillar.
+    let ((pillar, _), slope) = all[0].heights[0];
+    let raised: Vec<f64> = case.field.asperities().iter().map(|it| it.raised).collect();
+    let at = |step: f64| {
+        let mut raised = raised.clone();
+        raised[pillar as usize] += step;
+        solved(&case.with_heights(&raised).unwrap())[0]
+    };
+    let expected = (at(1e-11) - at(-1e-11)) / 2e-11;
+    assert!(
+        (slope / expected - 1.0).abs() < 1e-4,
+        "{slope:e} {expected:e}"
+    );
+}
+
+/// All forces are proportional to the modulus, so that their relative scatter to first order is that of the modulus.
+#[test]
+fn the_first_order_scatter_of_rounded_tops_follows_from_derivatives() {
+    let file = file(&[]);
+    let force = critical_force(&file.asperity_case().unwrap());
+    let tolerance = relative(Key::SubstrateYoungModulus, 0.1);
+    let spread = samples(&file, &sampling(vec![tolerance], Landing::AsGiven, 2));
+    let first_order = spread.first_order.unwrap();
+    assert!((first_order.force / force / 0.1 - 1.0).abs() < 1e-8);
+    assert!(first_order.indentation < 1e-8 * 2e-6);
+}

@@ -461,7 +461,7 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[ELASTIC],
-        "the compliance of elastic pillars is that of a top in contact as a whole: with a smaller contact on a rounded top, the end of the pillar deforms by an amount that depends on its radius",
+        "the compliance of elastic pillars is that of a top in contact as a whole: with a smaller contact on a rounded top, the end of the pillar deforms by an amount that depends on the radius of the contact",
         "use columns, which shorten under a rounded top too, or rigid pillars",
     ),
     rule(

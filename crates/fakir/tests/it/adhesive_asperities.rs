@@ -4,7 +4,9 @@ use fakir::problem::{
     Accuracy, Adhesion, Asperity, AsperityArray, CyclePlan, Indenter, Lens, Load, LoadingMode,
     Material, Point, UnloadingPoint,
 };
-use fakir::state::{AsperityContact, AsperityCycle, Branch, CycleEventKind, Run, SolveError};
+use fakir::state::{
+    AsperityContact, AsperityCycle, Branch, CycleEventKind, PillarStatus, Run, SolveError,
+};
 use std::f64::consts::PI;
 
 /// Lengths in um, and a reduced modulus of 1 Pa: forces in um^2 Pa, works of adhesion in um Pa.
@@ -419,6 +421,36 @@ fn random_arrays_conserve_energy() {
         let there = press(&array, Load::Indentation(step.indentation));
         assert!((there.force - step.force).abs() < 1e-7 * turn.force.abs());
     }
+}
+
+/// Up to the rim, a top is a punch of its radius `a` with a paraboloid as its end: `F = 2 a E* (z - a^2/(3 R))` (Hertz's force at `z = a^2/R`). On
+/// unloading the contact leaves the rim, and the pull-off force is `3/2 pi w R` (Johnson, Kendall and Roberts).
+#[test]
+fn a_single_top_is_filled_up_to_its_rim_and_left_again() {
+    let (radius, rim, work) = (100.0, 8.0, 1e-3);
+    let top = Asperity {
+        rim_radius: Some(rim * UM),
+        ..Asperity::new([0.0; 2], radius * UM)
+    };
+    let rigid = Indenter::Flat(None);
+    let array = AsperityArray::new(rigid, Material::new(1.0, 0.0), vec![top]).expect("an array");
+    let array = array
+        .with_adhesion(Adhesion::new(work * UM))
+        .expect("adhesion");
+    let found = cycle(
+        &array,
+        UnloadingPoint::Indentation(2.0 * UM),
+        LoadingMode::Displacement,
+    );
+    assert_eq!(found.turn.asperities[0].status, PillarStatus::Full);
+    let turn = 2.0 * rim * (2.0 - rim * rim / (3.0 * radius)) * UM * UM;
+    assert!((found.turn.force / turn - 1.0).abs() < 1e-9);
+    let pull_off = -1.5 * PI * work * radius * UM * UM;
+    let force = found.pull_off.expect("tension").force;
+    assert!(
+        (force / pull_off - 1.0).abs() < 1e-8,
+        "{force:e} {pull_off:e}"
+    );
 }
 
 #[test]

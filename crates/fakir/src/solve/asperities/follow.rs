@@ -316,7 +316,14 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
                 let radius = contacts.discs[disc].radius;
                 let grown = radius * (self.stride * (direction * rate).signum()).exp();
                 let rate = self.here.rates.lowering[disc * modes + 2];
-                (Measure::Radius(disc), (grown - radius) / rate, false)
+                let change = (grown - radius) / rate;
+                // A contact has no larger radius than its rim.
+                let fills = grown >= self.equations.rim(contacts.discs[disc].asperity);
+                let measure = match fills {
+                    true => Measure::Indentation,
+                    false => Measure::Radius(disc),
+                };
+                (measure, change, false)
             }
             fastest => {
                 let scale = self.equations.adhesive_overlap();
