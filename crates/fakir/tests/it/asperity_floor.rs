@@ -1,9 +1,9 @@
 //! Rounded tops and the floor in contact at the same time: closed forms, limits, derivatives, and boundary elements.
 
 use fakir::problem::{
-    Accuracy, Asperity, AsperityArray, Boundary, Floor, Grid, HeightMap, Indenter, LensShape,
-    ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList, PillarPattern,
-    Point, ShapedLens, SurfaceSystem, System,
+    Accuracy, Asperity, AsperityArray, Boundary, Floor, FloorModel, Grid, HeightMap, Indenter,
+    LensShape, ListedPillar, Load, Material, Method, Pillar, PillarCompliance, PillarList,
+    PillarPattern, Point, ShapedLens, SurfaceSystem, System,
 };
 use fakir::state::{AsperityContact, FloorContact, PillarStatus, Run, SurfaceContact};
 use std::f64::consts::PI;
@@ -203,6 +203,17 @@ fn the_share_of_the_floor_begins_at_zero() {
 }
 
 /// Expected: the indentation under the force of a prescribed indentation is that indentation.
+#[test]
+fn derivatives_end_where_the_floor_carries_load() {
+    let array = array(1.0, &[([200.0, 0.0], 12.0, 0.0), ([0.0, 10.0], 4.0, 0.0)]);
+    let (load, run) = (Load::Indentation(1.6 * UM), Run::default());
+    let refused = |array: &AsperityArray| array.gradient(load, Accuracy::Default, &run).err();
+    let why = refused(&array).map(|error| error.to_string());
+    assert!(why.is_some_and(|why| why.contains("the floor carries load")));
+    let ignored = array.with_floor_model(FloorModel::Ignored);
+    assert_eq!(refused(&ignored), None);
+}
+
 #[test]
 fn a_prescribed_force_is_that_at_its_indentation() {
     let array = array(1.5, &THREE);

@@ -251,8 +251,8 @@ impl AsperityArray {
     /// ```
     ///
     /// # Errors
-    /// As [`press`](Self::press) and [`transition`](Self::transition); [`SolveError::NoGradient`] if nothing is touched, if the contact did not
-    /// converge, and if the critical state is not differentiable.
+    /// As [`press`](Self::press) and [`transition`](Self::transition); [`SolveError::NoGradient`] if nothing is touched, if the floor carries
+    /// load, if the contact did not converge, and if the critical state is not differentiable.
     pub fn gradient(
         &self,
         load: Load,
@@ -272,6 +272,11 @@ impl AsperityArray {
         }
         if contact.contacts.discs.is_empty() {
             return Err(refused("no pillar is touched; raise the load"));
+        }
+        if contact.floor.is_some() {
+            return Err(refused(
+                "the floor carries load, and its derivatives are not computed under rounded tops; lower the load, or ignore the load of the floor",
+            ));
         }
         run.check_cancelled()?;
         let bench = Bench::new(self);
