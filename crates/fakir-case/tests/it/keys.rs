@@ -124,6 +124,21 @@ fn bounds_are_as_documented() {
     assert!(bounds > 30);
 }
 
+/// Defaults are a part of what users rely on: a case file written today is the same case later.
+#[test]
+fn defaults_do_not_change() {
+    let written = |key: Key| {
+        let value = match key.default()? {
+            Setting::Number(value) => format!("{value}"),
+            Setting::Word(word) => word,
+        };
+        Some(format!("{key} = {value}"))
+    };
+    let found: Vec<String> = Key::ALL.into_iter().filter_map(written).collect();
+    let expected = include_str!("defaults.txt");
+    assert_eq!(found.join("\n"), expected.trim_end());
+}
+
 /// A default is the value of the case if the key is left out.
 #[test]
 fn defaults_are_as_documented() {
