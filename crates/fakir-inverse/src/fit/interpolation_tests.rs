@@ -114,6 +114,33 @@ fn contact_radii_that_jump_are_fitted_as_row_by_row() {
     assert!(fits[0].scatter[0].interpolation_error.is_some());
 }
 
+/// More rows than are solved at the end, with load on the floor in the last ones, and a size free: states after small steps follow from those before.
+#[test]
+#[ignore = "slow: rows with load on the floor, one by one"]
+fn many_rows_are_fitted_as_row_by_row() {
+    let free = [
+        SUBSTRATE,
+        Parameter::ContactPoint,
+        Parameter::Key(Key::LensRadius),
+    ];
+    let depths: Vec<f64> = (1..=80).map(|k| 0.039e-6 * f64::from(k)).collect();
+    let truth = example_case(&["substrate.young_modulus=1.4 MPa"]);
+    let [_, force, _] = synthetic(&truth, &depths, 0.3e-6);
+    let position = depths.iter().map(|depth| depth + 3e-6).collect();
+    let columns = [(Column::Displacement, position), (Column::Force, force)];
+    let data = Measurements::new(&columns).unwrap();
+    let fits = both(&example_case(&[]), &data, &free);
+    assert_same(&fits);
+    assert!(
+        fits[0]
+            .rows
+            .iter()
+            .any(|row| row.smallest_floor_gap.is_some_and(|gap| gap <= 0.0))
+    );
+    let error = fits[0].scatter[0].interpolation_error.unwrap();
+    assert!(error < 0.1 * fits[0].scatter[0].residual);
+}
+
 #[test]
 #[ignore = "slow: ten thousand rows"]
 fn ten_thousand_rows_take_few_solutions() {
