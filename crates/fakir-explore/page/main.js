@@ -321,7 +321,8 @@ function showRefusal(state, controls) {
  * @returns {Texts | null}
  */
 function textsOf({ chosen, history, texts }) {
-  return (chosen.hold === null ? null : history?.is?.case) ?? texts?.is ?? null;
+  const isNewest = chosen.hold !== null && history?.words === "";
+  return (isNewest ? history.is?.case : null) ?? texts?.is ?? null;
 }
 
 /** @param {State} state */
