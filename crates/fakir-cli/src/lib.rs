@@ -300,8 +300,5 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    if file.relaxation()?.is_some() && !options.quiet {
-        failure::report_line("warning: relaxation has no effect: the page shows relaxed bodies");
-    }
     Ok(*pattern(&file, Question::Explore)?)
 }

@@ -10,7 +10,7 @@ use fakir::problem::{
 use fakir::solve::homogenised;
 use fakir_case::table_text::unpack_table;
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Case, CaseFile, Key, Setting};
+use fakir_case::{Case, CaseFile, Key, Kind, Setting};
 use fakir_study::history::HistoryCourse;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -20,6 +20,9 @@ use std::path::Path;
 
 /// Longest text of a value, bytes.
 const LONGEST_TEXT: usize = 100;
+
+/// Longest text of a list of numbers, bytes: some hundred relaxation times with all digits.
+const LONGEST_LIST: usize = 4000;
 
 /// Largest number of pillars in a computation; more would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
@@ -285,8 +288,11 @@ const LARGEST_TABLE: u64 = 8_000_000;
 /// The keys of the given values.
 pub(crate) fn settings(values: &Values) -> Result<Vec<(Key, Setting)>, Refusal> {
     let each = values.iter();
-    each.map(|(path, value)| Ok((known(path)?, short(path, value)?.clone())))
-        .collect()
+    each.map(|(path, value)| {
+        let key = known(path)?;
+        Ok((key, short(key, value)?.clone()))
+    })
+    .collect()
 }
 
 /// The case of the given values, as a case file.
@@ -398,12 +404,16 @@ fn known(path: &str) -> Result<Key, Refusal> {
 }
 
 /// Returns the value, unless it is a text longer than any valid one.
-fn short<'a>(path: &str, value: &'a Setting) -> Result<&'a Setting, Refusal> {
+fn short(key: Key, value: &Setting) -> Result<&Setting, Refusal> {
+    let longest = match key.kind() {
+        Kind::List(_) => LONGEST_LIST,
+        _ => LONGEST_TEXT,
+    };
     match value {
-        Setting::Word(text) if text.len() > LONGEST_TEXT => {
+        Setting::Word(text) if text.len() > longest => {
             Err(Refusal::impossible("this text is too long")
-                .at(path)
-                .accepted(format!("at most {LONGEST_TEXT} bytes")))
+                .at(key.path())
+                .accepted(format!("at most {longest} bytes")))
         }
         _ => Ok(value),
     }
@@ -536,6 +546,22 @@ mod tests {
         in_si.insert("lens.radius".to_owned(), Setting::Number(2.2e-3));
         assert_eq!(case(&in_si, None).unwrap(), example);
         assert_eq!(case(&of_case(&example), None).unwrap(), example);
+    }
+
+    /// A table of moduli over ten decades has up to forty terms.
+    #[test]
+    fn relaxing_bodies_are_given_by_their_terms() {
+        let mut relaxing = values(&Case::example());
+        let word = |unit: &str| {
+            let terms = (0..40).map(|k| format!("{}{unit}", 1.0 / 3.0 + f64::from(k)));
+            Setting::Word(terms.collect::<Vec<_>>().join(", "))
+        };
+        relaxing.insert(Key::RelaxationStrengths.path().to_owned(), word(""));
+        relaxing.insert(Key::RelaxationTimes.path().to_owned(), word(" s"));
+        let found = case(&relaxing, None).unwrap();
+        assert_eq!(found.relaxation.as_ref().unwrap().terms().len(), 40);
+        // The values of the case give the same case again.
+        assert_eq!(case(&of_case(&found), None).unwrap(), found);
     }
 
     /// A half-space has no thickness; only rigid bases are supported.
