@@ -4,7 +4,7 @@ use super::checked::check_number;
 use super::contact::{PillarStatus, Termination, relative};
 use super::discs::Contacts;
 use super::error::SolveError;
-use super::floor_contact::FloorContact;
+use super::floor_contact::{FloorContact, FloorErrors};
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
@@ -120,18 +120,23 @@ impl AsperityContact {
         self.termination == Termination::Converged
     }
 
-    /// The first result of a converged solution that is [not resolved](Unresolved), among force, contact area and indentation, if errors
-    /// are estimated. The error of the indentation is relative to the indentation or to force divided by stiffness, whichever is larger,
+    /// The first result of a converged solution that is [not resolved](Unresolved), among force, contact area and indentation, and force and
+    /// area on the floor, if errors are estimated. The error of the indentation is relative to the indentation or to force divided by stiffness, whichever is larger,
     /// since the reference level is arbitrary.
     #[must_use]
     pub fn unresolved(&self) -> Option<Unresolved> {
         let error = self.error.filter(|_| self.converged())?;
         let rise = relative(self.force, self.slopes.force_with_indentation);
         let depth = self.indentation.abs().max(rise);
+        let floor = self.floor.as_ref().map(|floor| floor.error);
+        let known = floor.filter(|error| *error != FloorErrors::UNKNOWN);
+        let of_floor = |of: fn(&FloorErrors) -> f64| known.as_ref().map_or(0.0, of);
         let numbers = [
             ("force", error.force),
             ("contact area", error.area),
             ("indentation", relative(error.indentation, depth)),
+            ("force on the floor", of_floor(|error| error.share)),
+            ("contact area on the floor", of_floor(|error| error.area)),
         ];
         let remedy = match self.accuracy {
             Accuracy::Default => Remedy::AccurateSetting,

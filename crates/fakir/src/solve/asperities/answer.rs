@@ -6,6 +6,7 @@ use super::follow::{Ended, Here, Path, Stop};
 use super::load::{Layout, Shape};
 use super::newton::{self, Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
+use crate::numerics::convergence::larger;
 use crate::numerics::dense::Lu;
 use crate::problem::load::Prescribed;
 use crate::problem::{Accuracy, Asperity, AsperityArray, Load, Quantity, Requirement};
@@ -420,6 +421,12 @@ impl AsperityArray {
             };
             if let Some(depth) = self.floor() {
                 contact.floor_gap = bench.floor_gap(&contact, depth, run)?;
+                if let Some(floor) = &mut contact.floor_gap
+                    && self.is_floor_loaded()
+                {
+                    // Past the transition by less than the smallest cells resolve.
+                    floor.gap = larger(floor.gap, 0.0);
+                }
             }
         }
         contact.checked()
@@ -447,7 +454,11 @@ impl AsperityArray {
             Err(SolveError::Interrupted) => Ok(None),
             // Contacts that would merge on the tops alone may not with a floor.
             _ => {
-                let critical = self.transition(accuracy, run)?.contact;
+                let critical = match self.transition(accuracy, run) {
+                    Ok(critical) => critical.contact,
+                    Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
+                    Err(_) => return Ok(None),
+                };
                 let is_past = match target {
                     Prescribed::Indentation(value) => {
                         value * bench.units.length > critical.indentation

@@ -549,8 +549,13 @@ impl Ground<'_> {
                 pressed,
             };
             let is_solved = level.pressed.termination == Termination::Converged;
-            if level.patches.cells == 0 && is_solved {
+            // Cells may be too large for a small contact.
+            if level.patches.cells == 0 && number == 2 && is_solved {
                 return Ok(None);
+            }
+            if level.patches.radius > self.lens.largest_contact() {
+                let length = self.bench.units.length;
+                return Err(SolveError::beyond(self.lens, level.patches.radius, length));
             }
             if number == 1 && is_solved {
                 of_degree = self.refined(&mut mesh, &level)?;
