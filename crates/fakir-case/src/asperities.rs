@@ -311,6 +311,9 @@ fn column_compliance(
     }
 }
 
+/// A lattice with x, y, height and diameter of its pillars, m.
+type LatticePillars = (PlaneLattice, Vec<[f64; 4]>);
+
 impl CaseFile {
     /// Whether pillars have rounded tops: `pattern.top_radius`, in the file or as an override.
     #[must_use]
@@ -454,10 +457,7 @@ impl CaseFile {
     }
 
     /// A lattice with x and y relative to the lens axis, height and diameter of its pillars, m; `None` for listed pillars.
-    fn lattice_pillars(
-        &self,
-        parts: &Parts,
-    ) -> Result<Option<(PlaneLattice, Vec<[f64; 4]>)>, CaseError> {
+    fn lattice_pillars(&self, parts: &Parts) -> Result<Option<LatticePillars>, CaseError> {
         let pattern = &parts.pattern;
         let diameter = pattern.pillar.diameter;
         let spacing = self.spacing(pattern)?;

@@ -2,7 +2,7 @@
 
 use crate::asperities::AsperityCase;
 use crate::key::Key;
-use fakir::problem::{LatticeForm, Load, Material, PlaneLattice, Point, Quantity};
+use fakir::problem::{LatticeForm, Load, Material, PlaneLattice, Point, Quantity, ShapedLens};
 use fakir::state::{
     AsperityContact, AsperityDerivatives, Critical, Derivatives, Gradient, Run, SolveError,
 };
@@ -10,6 +10,9 @@ use fakir::state::{
 /// Relative step, in radians for angles, of differences of the places of pillars on a lattice. They are linear in lengths, and differences of
 /// fourth order are exact for them; for angles their error is the fourth power of the step, below rounding.
 const STEP: f64 = 1e-3;
+
+/// Changes a number of a lattice by a step.
+type Change = fn(&mut PlaneLattice, f64);
 
 /// A contact with rounded tops, or the critical state, with its derivatives by the quantities of its case.
 #[derive(Debug, Clone)]
@@ -145,7 +148,7 @@ impl AsperityCase {
     }
 
     fn lens_radius(&self) -> Option<f64> {
-        self.field.indenter().lens().and_then(|lens| lens.radius())
+        self.field.indenter().lens().and_then(ShapedLens::radius)
     }
 
     /// Derivatives of the places of all pillars of a lattice by its numbers.
@@ -154,7 +157,7 @@ impl AsperityCase {
             return Vec::new();
         };
         let pitch = lattice.form.pitch();
-        let changes: [(Quantity, f64, fn(&mut PlaneLattice, f64)); 6] = [
+        let changes: [(Quantity, f64, Change); 6] = [
             (Quantity::Pitch, pitch, |lattice, step| {
                 lattice.form = changed(lattice.form, [step, 0.0, 0.0]);
             }),
@@ -165,13 +168,13 @@ impl AsperityCase {
                 lattice.form = changed(lattice.form, [0.0, 0.0, step]);
             }),
             (Quantity::Offset, 1.0, |lattice, step| {
-                lattice.offset += step
+                lattice.offset += step;
             }),
             (Quantity::OffsetAngle, 1.0, |lattice, step| {
                 lattice.offset_angle += step;
             }),
             (Quantity::Rotation, 1.0, |lattice, step| {
-                lattice.rotation += step
+                lattice.rotation += step;
             }),
         ];
         let mut found = Vec::new();

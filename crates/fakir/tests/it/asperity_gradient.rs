@@ -99,101 +99,75 @@ impl Numbers {
     }
 }
 
-type Change = Box<dyn Fn(&mut Numbers, f64)>;
+/// A number with its size, how it is changed, its derivative, and the asperity that it belongs to.
+struct Number {
+    name: String,
+    size: f64,
+    change: Box<dyn Fn(&mut Numbers, f64)>,
+    derivative: fn(&AsperityDerivatives, usize) -> f64,
+    place: usize,
+}
 
-/// Every number with the size of its change, how it is changed, and its derivative.
-fn numbers(
-    base: &Numbers,
-) -> Vec<(
-    String,
-    f64,
-    Change,
-    fn(&AsperityDerivatives, usize) -> f64,
-    usize,
-)> {
-    let mut all: Vec<(
-        String,
-        f64,
-        Change,
-        fn(&AsperityDerivatives, usize) -> f64,
-        usize,
-    )> = vec![
-        (
-            "lens".into(),
+impl Number {
+    fn new(
+        name: &str,
+        size: f64,
+        change: impl Fn(&mut Numbers, f64) + 'static,
+        derivative: fn(&AsperityDerivatives, usize) -> f64,
+        place: usize,
+    ) -> Self {
+        Self {
+            name: format!("{name} {place}"),
+            size,
+            change: Box::new(change),
+            derivative,
+            place,
+        }
+    }
+}
+
+fn numbers(base: &Numbers) -> Vec<Number> {
+    let mut all = vec![
+        Number::new(
+            "lens",
             900.0,
-            Box::new(|it, step| it.lens += step),
+            |it, by| it.lens += by,
             |it, _| it.lens_radius,
             0,
         ),
-        (
-            "modulus".into(),
+        Number::new(
+            "modulus",
             1.3,
-            Box::new(|it, step| it.modulus += step),
+            |it, by| it.modulus += by,
             |it, _| it.reduced_modulus,
             0,
         ),
-        (
-            "floor".into(),
-            1.6,
-            Box::new(|it, step| it.floor += step),
-            |it, _| it.floor,
-            0,
-        ),
+        Number::new("floor", 1.6, |it, by| it.floor += by, |it, _| it.floor, 0),
     ];
     if base.work > 0.0 {
-        let change: Change = Box::new(|it, step| it.work += step);
-        all.push((
-            "work".into(),
+        let derivative = |it: &AsperityDerivatives, _| it.work_of_adhesion;
+        all.push(Number::new(
+            "work",
             base.work,
-            change,
-            |it, _| it.work_of_adhesion,
+            |it, by| it.work += by,
+            derivative,
             0,
         ));
     }
     for k in [0, 3] {
+        let x = move |it: &mut Numbers, by: f64| it.tops[k].place[0] += by;
+        let y = move |it: &mut Numbers, by: f64| it.tops[k].place[1] += by;
+        let raised = move |it: &mut Numbers, by: f64| it.tops[k].raised += by;
+        let radius = move |it: &mut Numbers, by: f64| it.tops[k].radius += by;
+        let rim = move |it: &mut Numbers, by: f64| it.tops[k].rim += by;
+        let column = move |it: &mut Numbers, by: f64| it.tops[k].column += by;
         all.extend([
-            (
-                format!("x {k}"),
-                10.0,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].place[0] += step) as Change,
-                (|it, k| it.apex[k][0]) as fn(&AsperityDerivatives, usize) -> f64,
-                k,
-            ),
-            (
-                format!("y {k}"),
-                10.0,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].place[1] += step),
-                |it, k| it.apex[k][1],
-                k,
-            ),
-            (
-                format!("raised {k}"),
-                1.0,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].raised += step),
-                |it, k| it.raised[k],
-                k,
-            ),
-            (
-                format!("radius {k}"),
-                100.0,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].radius += step),
-                |it, k| it.top_radius[k],
-                k,
-            ),
-            (
-                format!("rim {k}"),
-                10.0,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].rim += step),
-                |it, k| it.rim_radius[k],
-                k,
-            ),
-            (
-                format!("column {k}"),
-                2e-3,
-                Box::new(move |it: &mut Numbers, step| it.tops[k].column += step),
-                |it, k| it.column_compliance[k],
-                k,
-            ),
+            Number::new("x", 10.0, x, |it, k| it.apex[k][0], k),
+            Number::new("y", 10.0, y, |it, k| it.apex[k][1], k),
+            Number::new("raised", 1.0, raised, |it, k| it.raised[k], k),
+            Number::new("radius", 100.0, radius, |it, k| it.top_radius[k], k),
+            Number::new("rim", 10.0, rim, |it, k| it.rim_radius[k], k),
+            Number::new("column", 2e-3, column, |it, k| it.column_compliance[k], k),
         ]);
     }
     all
@@ -211,7 +185,14 @@ fn check(base: &Numbers, load: Load, tolerance: f64) -> AsperityContact {
         (gradient.indentation.as_ref(), contact.indentation, 1),
         (Some(&gradient.area), contact.area, 2),
     ];
-    for (name, size, change, derivative, place) in numbers(base) {
+    for number in numbers(base) {
+        let Number {
+            name,
+            size,
+            change,
+            derivative,
+            place,
+        } = number;
         let expected = base.differences(load, 1e-5 * size, &*change);
         for (derivatives, value, k) in results {
             let Some(derivatives) = derivatives else {
