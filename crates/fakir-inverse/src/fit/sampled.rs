@@ -16,7 +16,7 @@ use super::radius::smooth_radius;
 use super::table::{Knot, Monotone, NEAR, Table};
 use crate::derivative::ByKey;
 use fakir::numerics::convergence::{clamped, larger, within};
-use fakir::problem::Load;
+use fakir::problem::{FloorModel, Load};
 use fakir::state::{ContactState, Derivatives as ForceDerivatives, SolveError};
 use fakir_case::Case;
 use rayon::prelude::*;
@@ -280,7 +280,8 @@ impl Sampled {
     }
 
     /// The table of the last unknowns with derivatives, changed by these; `None` if the estimated error of this is too large, or if two states that
-    /// are solved again differ by more than this error. Contact radii and gaps are those before: they are not compared with data.
+    /// are solved again differ by more than this error. Contact radii and gaps are those before: they are not compared with
+    /// data, and with a floor that carries load they select no rows.
     fn moved(
         &self,
         refining: &Refining<'_, '_>,
@@ -291,6 +292,7 @@ impl Sampled {
         let suits = model.data.rows().len() > SOLVED_AT_END
             && !refining.by_force
             && !model.wants_radius
+            && refining.case.system.floor_model() == FloorModel::Contact
             && !model.free.iter().any(|free| free.is_thickness());
         let held = self.held.borrow();
         let Some((before, curves)) = held.as_ref().filter(|_| suits) else {
@@ -328,11 +330,13 @@ impl Sampled {
         }
         let loads = [knots[knots.len() / 2].load, table.end()];
         let mut moved = table.moved(change, error);
-        let solved = each(model, &loads, |load| {
-            Ok(refining.knot(*load, true).map_err(FitError::from)?)
+        let solved = each(model, &loads, |load| match refining.knot(*load, true) {
+            Ok(knot) => Ok(Some(knot)),
+            Err(SolveError::Interrupted) => Err(SolveError::Interrupted.into()),
+            Err(_) => Ok(None),
         })?;
         for knot in solved {
-            let difference = moved.replace(knot);
+            let difference = knot.and_then(|knot| moved.replace(knot));
             if !difference.is_some_and(|it| within(it.abs(), moved.moved_error)) {
                 return Ok(None);
             }
