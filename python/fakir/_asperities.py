@@ -110,7 +110,7 @@ class AsperityArray(Viscoelastic):
             given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
             if given.floor:
                 raise ValueError(
-                    "floor contact under rounded tops is not computed with adhesion: leave floor=True out"
+                    "floor contact is not computed under rounded tops with adhesion: leave floor=True out"
                 )
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")

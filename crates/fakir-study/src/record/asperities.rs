@@ -43,12 +43,12 @@ impl<'a> AsperityCritical<'a> {
     }
 }
 
-/// Effects that are neglected in contacts with rounded tops, where the floor is not.
-const LEFT_OUT: &[&str] = &["adhesion"];
-
-/// The same where the floor may be reached and its load is not computed, without adhesion and with it.
-const LEFT_OUT_PAST_FLOOR: &[&str] = &["floor", "adhesion"];
+/// Effects that are neglected in contacts with rounded tops whose floor contact is not computed, without adhesion and with it.
+const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 const LEFT_OUT_WITH_ADHESION: &[&str] = &["floor"];
+
+/// The same where it is computed, and in the critical state, in which the floor has no load.
+const LEFT_OUT_WITH_FLOOR: &[&str] = &["adhesion"];
 
 impl<'a> AsperityAnswer<'a> {
     /// A contact of a case.
@@ -92,11 +92,14 @@ impl<'a> AsperityAnswer<'a> {
 
     /// Effects that are neglected.
     fn left_out(&self) -> &'static [&'static str] {
-        match (self.field.adhesion().is_none(), self.neglects_floor()) {
-            (true, false) => LEFT_OUT,
-            (true, true) => LEFT_OUT_PAST_FLOOR,
-            (false, true) => LEFT_OUT_WITH_ADHESION,
-            (false, false) => &[],
+        match (
+            self.field.is_floor_loaded(),
+            self.field.adhesion().is_none(),
+        ) {
+            // Only without adhesion.
+            (true, _) => LEFT_OUT_WITH_FLOOR,
+            (false, true) => LEFT_OUT,
+            (false, false) => LEFT_OUT_WITH_ADHESION,
         }
     }
 }
@@ -272,7 +275,7 @@ impl<'a> Recorded for AsperityCritical<'a> {
             "left_out",
             "effects that are not computed",
             |it: &Self| match it.answer.field.adhesion().is_none() {
-                true => LEFT_OUT,
+                true => LEFT_OUT_WITH_FLOOR,
                 false => &[],
             },
         ));

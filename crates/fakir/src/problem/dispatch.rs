@@ -315,8 +315,15 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[FLOOR_INTERACTION, ADHESIVE_TOPS],
-        "floor contact under rounded tops is not computed with adhesion, so that a shear stress on the floor has no area",
+        "floor contact is not computed under rounded tops with adhesion, so that a shear stress on the floor has no area",
         "leave out the shear stress on the floor, or the work of adhesion",
+    ),
+    rule(
+        ANY,
+        ASPERITIES,
+        &[FLOOR_INTERACTION, WITHOUT_AXIS],
+        "floor contact is not computed under rounded tops for a cylinder or a plate, which is closest to the floor outside the pillars",
+        "leave out the shear stress on the floor: that on the tops is used",
     ),
     rule(
         ANY,
@@ -447,7 +454,7 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[ADHESIVE_FLOOR],
-        "floor contact under rounded tops is not computed with adhesion, so that the floor cannot be adhesive",
+        "floor contact is not computed under rounded tops with adhesion, so that the floor cannot be adhesive",
         "use adhesion of the tops only",
     ),
     rule(
