@@ -312,7 +312,7 @@ class AsperityPressNumbers(Contact):
     lens_shape: Number[str]
     'Shape of a lens.'
     contact_area: Number[float]
-    'Area of all contacts, A (m^2).'
+    'Area of all contacts on tops, A (m^2).'
     contact_radius: Number[float | None]
     'Distance between the lens axis and the farthest point in contact, on a pillar top or on the floor, a (m); None under a plate.'
     pillars: Number[int]
@@ -326,7 +326,7 @@ class AsperityPressNumbers(Contact):
     largest_pillar_force: Number[float]
     'Largest force on a pillar (N).'
     smallest_floor_gap: Number[float | None]
-    'Smallest gap between lens and floor (m); negative where the lens would be below the floor, whose load is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
+    'Smallest gap between lens and floor (m); past the transition 0, or negative where the load of the floor is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
     stiffness: Number[float]
     'Change of the force with the indentation (N/m).'
     left_out: Number[list[str]]
@@ -350,7 +350,7 @@ class AsperityTransitionNumbers(Critical):
     top_contact_radius: Number[float]
     'Distance between the lens axis and the farthest point in contact on a pillar top (m).'
     contact_area: Number[float]
-    'Area of all contacts, A (m^2).'
+    'Area of all contacts on tops, A (m^2).'
     pillars: Number[int]
     'Number of pillars.'
     pillars_in_contact: Number[int]
@@ -362,7 +362,7 @@ class AsperityTransitionNumbers(Critical):
     largest_pillar_force: Number[float]
     'Largest force on a pillar (N).'
     smallest_floor_gap: Number[float | None]
-    'Smallest gap between lens and floor (m); negative where the lens would be below the floor, whose load is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
+    'Smallest gap between lens and floor (m); past the transition 0, or negative where the load of the floor is not computed; None under a plate and a cylinder, which are closest to it outside the pillars, and where pillars cover all of it.'
     stiffness: Number[float]
     'Change of the force with the indentation (N/m).'
     left_out: Number[list[str]]
