@@ -522,14 +522,20 @@ fn the_floor_under_rounded_tops_is_reached_at_the_transition() {
         json(&["press", "case.toml", "--force", &force, "--json"])
     };
     assert!((number(&at(1.0), "indentation_m") / indentation - 1.0).abs() < 1e-6);
-    let gaps = [0.9, 1.0, 1.1].map(|part| number(&at(part), "smallest_floor_gap_m"));
+    let [before, reached, past] = [0.9, 1.0, 1.1].map(at);
+    let gaps = [&before, &reached, &past].map(|it| number(it, "smallest_floor_gap_m"));
     assert!(
-        gaps[0] > 0.0 && gaps[1].abs() < 1e-5 * gaps[0] && gaps[2] < 0.0,
+        gaps[0] > 0.0 && gaps[1].abs() < 1e-5 * gaps[0] && gaps[2].abs() <= 0.0,
         "{gaps:?}"
     );
-    assert_eq!(at(0.9)["floor_out_of_reach"], true);
+    assert_eq!(before["floor_out_of_reach"], true);
+    assert!(before["floor"].is_null());
+    let share = number(&past["floor"], "share");
+    assert!(share > 0.0 && share < 0.1, "{share}");
+    // An ignored floor carries no load.
     let above = format!("{:e}N", 1.1 * force);
-    let above = run(&["press", "case.toml", "--force", &above]);
+    let ignored = ["--set", "floor.contact=false"];
+    let above = run(&[&["press", "case.toml", "--force", &above][..], &ignored].concat());
     assert!(above.stderr.contains("below the floor"), "{}", above.stderr);
     let report = run(&["transition", "case.toml", "--output", "critical"]).stdout;
     assert!(
