@@ -495,8 +495,8 @@ fn low_pillars() -> String {
         )
 }
 
-/// Expected: the contact under the critical force has the critical indentation and no gap; below and above it the gap has the sign of the
-/// difference; all front ends give the same numbers.
+/// Expected: the contact under the critical force has the critical indentation and no gap; below it there is a gap, and above it the floor
+/// carries load; all front ends give the same numbers.
 #[test]
 fn the_floor_under_rounded_tops_is_reached_at_the_transition() {
     let bench = Bench::new();
