@@ -653,8 +653,9 @@ impl CaseFile {
                     }
                     _ => error,
                 })?;
-                // The solver and the patterns of pillars check their own quantities.
-                let is_checked_later = row.quantity.is_some() || row.pattern_quantity.is_some();
+                // A system and the patterns of pillars check their own quantities; the radius of rounded tops is none of them.
+                let is_of_system = row.quantity.is_some() && key != Key::TopRadius;
+                let is_checked_later = is_of_system || row.pattern_quantity.is_some();
                 if !is_checked_later {
                     self.check_range(key, value)?;
                 }

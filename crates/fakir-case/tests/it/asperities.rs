@@ -146,7 +146,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             set("pattern.top_radius=-1um"),
-            "invalid top radius -0.000001: must be a finite number greater than 0",
+            "pattern.top_radius: cannot be",
         ),
         (
             set("pattern.columns=9999"),

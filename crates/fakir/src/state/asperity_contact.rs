@@ -1,9 +1,9 @@
 //! The contact with rounded tops.
 
-use super::checked::check_number;
 use super::contact::{PillarStatus, Termination, relative};
 use super::discs::Contacts;
 use super::error::SolveError;
+use super::finite::check_number;
 use super::floor_contact::{FloorContact, FloorErrors};
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};

@@ -1,8 +1,8 @@
 //! The contact with rounded tops, with boundary elements.
 
-use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination};
 use super::error::SolveError;
+use super::finite::check_number;
 
 /// The contact with rounded tops, with boundary elements on every top.
 #[derive(Debug, Clone)]

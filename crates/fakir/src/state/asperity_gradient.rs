@@ -1,9 +1,9 @@
 //! Derivatives of a contact with rounded tops with respect to the numbers of its array.
 
 use super::asperity_contact::AsperityContact;
-use super::checked::check_number;
 use super::critical::Critical;
 use super::error::SolveError;
+use super::finite::check_number;
 use crate::problem::Point;
 
 /// A contact with rounded tops at a load, or the critical state, with its exact derivatives: those of the discrete solution, for the same

@@ -4,7 +4,7 @@ use super::contact::{ContactState, Warning};
 use super::critical::CriticalState;
 use super::cycle::Cycle;
 use super::error::SolveError;
-use super::floor_contact::FloorContact;
+use super::finite::check_number;
 use crate::problem::{Method, PillarCompliance};
 
 impl ContactState {
@@ -50,31 +50,6 @@ impl ContactState {
     }
 }
 
-impl FloorContact {
-    /// Checks that all numbers of the contact are finite before it is returned.
-    pub(super) fn check(&mut self) -> Result<(), SolveError> {
-        for (what, value) in [
-            ("force on the floor", &mut self.force),
-            ("fraction of the load on the floor", &mut self.share),
-            ("area of the floor contact", &mut self.area),
-            ("radius of the floor contact", &mut self.radius),
-            (
-                "distance of the floor contact from a rim",
-                &mut self.smallest_distance_to_rim,
-            ),
-            ("error estimate of the floor's share", &mut self.error.share),
-            ("error estimate of the floor's area", &mut self.error.area),
-            ("energy error", &mut self.energy_bound),
-        ] {
-            check_number(what, value)?;
-        }
-        for pressure in &mut self.pressure {
-            check_number("pressure on the floor", pressure)?;
-        }
-        Ok(())
-    }
-}
-
 impl Cycle {
     /// Checks the cycle before it is returned.
     pub(crate) fn checked(mut self) -> Result<Self, SolveError> {
@@ -109,15 +84,6 @@ impl CriticalState {
             ..self
         })
     }
-}
-
-/// Refuses a number that is infinite or undefined, and removes the sign of a negative zero.
-pub(crate) fn check_number(what: &'static str, value: &mut f64) -> Result<(), SolveError> {
-    if !value.is_finite() {
-        return Err(SolveError::NotFinite { what });
-    }
-    *value += 0.0;
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Contacts with a flat surface.
 
-use super::checked::check_number;
 use super::contact::{Termination, Warning};
 use super::cycle::Branch;
 use super::error::SolveError;
+use super::finite::check_number;
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{CyclePlan, Interactions};
 

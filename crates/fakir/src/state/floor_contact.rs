@@ -1,5 +1,7 @@
 //! Contact with the floor between the pillars.
 
+use super::error::SolveError;
+use super::finite::check_number;
 use crate::problem::point::turned;
 use crate::problem::{Area, Cells, Point};
 
@@ -98,5 +100,30 @@ impl FloorContact {
         pressures.fold((0.0, [0.0, 0.0]), |largest, other| {
             if other.0 > largest.0 { other } else { largest }
         })
+    }
+}
+
+impl FloorContact {
+    /// Checks that all numbers of the contact are finite before it is returned.
+    pub(super) fn check(&mut self) -> Result<(), SolveError> {
+        for (what, value) in [
+            ("force on the floor", &mut self.force),
+            ("fraction of the load on the floor", &mut self.share),
+            ("area of the floor contact", &mut self.area),
+            ("radius of the floor contact", &mut self.radius),
+            (
+                "distance of the floor contact from a rim",
+                &mut self.smallest_distance_to_rim,
+            ),
+            ("error estimate of the floor's share", &mut self.error.share),
+            ("error estimate of the floor's area", &mut self.error.area),
+            ("energy error", &mut self.energy_bound),
+        ] {
+            check_number(what, value)?;
+        }
+        for pressure in &mut self.pressure {
+            check_number("pressure on the floor", pressure)?;
+        }
+        Ok(())
     }
 }

@@ -1,9 +1,9 @@
 //! Derivatives of a contact with respect to its input quantities.
 
-use super::checked::check_number;
 use super::contact::ContactState;
 use super::critical::CriticalState;
 use super::error::SolveError;
+use super::finite::check_number;
 use crate::problem::Quantity;
 
 /// A contact under a load with its exact derivatives: those of the discrete solution, at constant contact states of all pillars. They are

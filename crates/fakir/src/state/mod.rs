@@ -19,6 +19,7 @@ pub(crate) mod cycle;
 pub(crate) mod discs;
 pub(crate) mod error;
 pub(crate) mod fields;
+pub(crate) mod finite;
 pub(crate) mod flat;
 pub(crate) mod floor_contact;
 pub(crate) mod gradient;

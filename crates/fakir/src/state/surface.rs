@@ -1,9 +1,9 @@
 //! The contact with a general surface, by cells.
 
-use super::checked::check_number;
 use super::contact::{ErrorEstimate, Termination, Warning};
 use super::critical::Critical;
 use super::error::SolveError;
+use super::finite::check_number;
 use super::floor_contact::FloorErrors;
 use super::resolution::{Remedy, Unresolved};
 use crate::problem::{Grid, Point};

@@ -99,11 +99,14 @@ impl Numbers {
     }
 }
 
+/// Changes a number by a step.
+type Change = Box<dyn Fn(&mut Numbers, f64)>;
+
 /// A number with its size, how it is changed, its derivative, and the asperity that it belongs to.
 struct Number {
     name: String,
     size: f64,
-    change: Box<dyn Fn(&mut Numbers, f64)>,
+    change: Change,
     derivative: fn(&AsperityDerivatives, usize) -> f64,
     place: usize,
 }

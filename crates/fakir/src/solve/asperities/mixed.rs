@@ -802,7 +802,8 @@ mod tests {
 
     /// The derivative of the force with respect to the height of a top is that of the force on this top with respect to the indentation,
     /// because forces are derivatives of one energy: as differences on one grid. Tops are full, so that their discs do not change; contacts
-    /// that end within a top are discs only approximately, and differ by some thousandths.
+    /// that end within a top are discs only approximately, and differ by some thousandths. So do longer steps, within which cells of the floor
+    /// come into contact; on this one the displacements, which are found to 1e-10, give the derivatives to some 1e-5.
     #[test]
     fn forces_are_derivatives_of_an_energy() {
         let run = Run::default();
@@ -817,7 +818,7 @@ mod tests {
             let tops = vec![top([9e-6, 4e-6], raised), top([-24e-6, 0.0], 2e-7)];
             Bench::new(&AsperityArray::new(lens.into(), rubber, tops).expect("an array"))
         };
-        let (indentation, step) = (0.029, 1e-4);
+        let (indentation, step) = (0.029, 3e-6);
         let at = |raised: f64, indentation: f64| {
             let bench = of(raised * 1e-4);
             let lens = bench.layout.shape.0.as_ref().expect("a lens");
@@ -848,6 +849,6 @@ mod tests {
         let of_height = with(step, 0.0)[0] - with(-step, 0.0)[0];
         let [low, high] = [-step, step].map(|moved| with(0.0, moved));
         let off = of_height / (high[1] - low[1]) - 1.0;
-        assert!(off.abs() < 1e-5, "{off:e}");
+        assert!(off.abs() < 1e-4, "{off:e}");
     }
 }
