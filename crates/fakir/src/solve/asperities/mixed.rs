@@ -14,8 +14,8 @@
 //!
 //! # Error estimate
 //!
-//! The contact is solved on three grids, the last with half the cell size of the one before. The difference of the last two, and that of a
-//! pressure on the tops of higher degree on the coarser one, estimate the error.
+//! The contact is solved on three grids, the last with half the cell size of the one before. The larger of the last difference and of the one
+//! before, in proportion to the cell size, and the difference of a pressure on the tops of higher degree on the second grid, estimate the error.
 
 use super::answer::{Bench, DEGREES, degree, with_modes};
 use super::climb::Found;
@@ -755,13 +755,22 @@ impl Solved<'_> {
         bench: &Bench,
         accuracy: Accuracy,
     ) -> Option<(AsperityErrors, FloorErrors)> {
-        let (of_degree, [coarse, fine]) = (self.of_degree.as_ref()?, self.levels.last_chunk()?);
-        let moved = fine.indentation - coarse.indentation;
+        let (of_degree, [first, coarse, fine]) =
+            (self.of_degree.as_ref()?, self.levels.last_chunk()?);
         // Differences at the same indentation, to first order.
+        let change = |of: &dyn Fn(&Level) -> f64, rate: f64, from: &Level, to: &Level| {
+            (of(to) - of(from) - rate * (to.indentation - from.indentation)).abs()
+        };
+        // The last change may be small by accident where cells are as large as pillars: the one before counts in proportion to the cell size.
+        let [first_side, side, last_side] = [first, coarse, fine].map(|level| level.cell.sqrt());
+        let part = (side - last_side) / (first_side - side);
+        let of_cells = |of: &dyn Fn(&Level) -> f64, rate: f64| {
+            let before = part * change(of, rate, first, coarse);
+            SAFETY * larger(change(of, rate, coarse, fine), before)
+        };
         let error = |of: &dyn Fn(&Pressed) -> f64, rate: f64| {
-            let of_cells = of(&fine.pressed) - of(&coarse.pressed) - rate * moved;
             let of_degree = of(of_degree) - of(&coarse.pressed);
-            SAFETY * of_cells.abs() + DEGREES * of_degree.abs()
+            of_cells(&|level| of(&level.pressed), rate) + DEGREES * of_degree.abs()
         };
         let pressed = &fine.pressed;
         let [on_shape, area_of_shape] = match pressed.contacts.discs.is_empty() {
