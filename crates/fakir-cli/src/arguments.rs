@@ -267,7 +267,8 @@ pub(crate) enum Command {
     /// otherwise they are estimated from the residuals.
     ///
     /// A stress that the data do not determine has no interval: the one of the floor if no row is past the transition. On a flat surface, on
-    /// rounded tops, and on a height map without surface.floor there is one stress, of the whole contact.
+    /// rounded tops whose floor carries no load, and on a height map without surface.floor there is one stress, of the whole
+    /// contact.
     ///
     /// The shear does not change the normal contact in this model: this is exact between incompressible half-spaces; contacts are not peeled
     /// by shear.

@@ -244,6 +244,45 @@ fn other_surfaces_have_one_stress_or_both() {
     assert!((number(friction, "lateral_force_N") / expected - 1.0).abs() < 1e-14);
 }
 
+/// The lateral forces of the program itself, before and past the transition of rounded tops, give the stresses again.
+#[test]
+fn stresses_on_rounded_tops_and_the_floor_are_found_again() {
+    let bench = Bench::new();
+    let mut case = vec![example("paper-intermediate.toml")];
+    for set in [
+        "pattern.columns=3",
+        "pattern.pitch=30um",
+        "pattern.top_radius=20um",
+    ] {
+        case.extend(["--set".to_owned(), set.to_owned()]);
+    }
+    let with = |command: &str, more: &[&str]| {
+        let mut line: Vec<String> = vec![command.to_owned()];
+        line.extend(case.iter().cloned());
+        line.extend(more.iter().map(|word| (*word).to_owned()));
+        line
+    };
+    let mut table = "indentation_m,lateral_force_N\n".to_owned();
+    for indentation in ["1.5um", "3um", "4um", "5um"] {
+        let line = with(
+            "press",
+            &[&["--indentation", indentation][..], &BOTH].concat(),
+        );
+        let contact = bench.json(&line.iter().map(String::as_str).collect::<Vec<_>>());
+        let lateral = number(&contact["friction"], "lateral_force_N");
+        table += &format!("{:e},{lateral:e}\n", number(&contact, "indentation_m"));
+    }
+    bench.write("lateral.csv", &table);
+    let line = with("friction", &["lateral.csv", "--lateral-error", "1nN"]);
+    let fit = bench.json(&line.iter().map(String::as_str).collect::<Vec<_>>());
+    let stresses = fit["shear_stresses"].as_array().expect("two stresses");
+    for (stress, expected) in stresses.iter().zip([TOPS, FLOOR]) {
+        let found = number(stress, "value_Pa");
+        assert!((found / expected - 1.0).abs() < 1e-6, "{found}");
+    }
+    assert_eq!(stresses.len(), 2);
+}
+
 #[test]
 fn stresses_that_are_no_stresses_are_refused_with_their_place() {
     let bench = Bench::new();

@@ -521,7 +521,11 @@ fn has_floor(file: &CaseFile) -> bool {
     match file.surface_kind() {
         SurfaceKind::Pillars => true,
         SurfaceKind::HeightMap => file.defines_floor(),
-        SurfaceKind::Asperities | SurfaceKind::Flat => false,
+        SurfaceKind::Asperities => {
+            let tops = file.asperity_case();
+            tops.is_ok_and(|case| case.field.is_floor_loaded())
+        }
+        SurfaceKind::Flat => false,
     }
 }
 
