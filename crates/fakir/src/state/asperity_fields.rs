@@ -3,14 +3,12 @@
 use super::asperity_contact::AsperityContact;
 use super::discs::Contacts;
 use super::error::SolveError;
-use super::floor_contact::FloorContact;
 use super::run::Run;
 use super::samples::{FieldSamples, grid_points, in_batches};
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
 use crate::halfspace::disc::exterior::Exterior;
-use crate::halfspace::elements::Rectangle;
-use crate::problem::{Asperity, AsperityArray, Grid, Point};
-use std::f64::consts::PI;
+use crate::halfspace::floor::load::FloorLoad;
+use crate::problem::{Asperity, AsperityArray, Point};
 use std::sync::Arc;
 
 /// Number of points across a cell whose mean pressure is computed.
@@ -30,54 +28,7 @@ pub struct AsperityFields {
     modes: usize,
     compliances: Vec<f64>,
     exterior: Exterior,
-    pressed: Option<PressedFloor>,
-}
-
-/// The pressure on the floor.
-struct PressedFloor {
-    grid: Grid,
-    /// Pressure on every cell of the grid, Pa; zero without contact.
-    pressure: Vec<f64>,
-    /// Centres of the cells in contact, m, and the pressure on each, Pa.
-    cells: Vec<(Point, f64)>,
-    /// Displacement due to a cell.
-    rectangle: Rectangle,
-}
-
-impl PressedFloor {
-    fn new(floor: &FloorContact) -> Self {
-        let grid = *floor.cells.grid();
-        let mut pressure = vec![0.0; grid.cell_count()];
-        floor.cells.scatter(&floor.pressure, &mut pressure);
-        let [width, height] = grid.cell();
-        let cells = floor.cells.centres().zip(floor.pressure.iter().copied());
-        Self {
-            pressure,
-            cells: cells.collect(),
-            rectangle: Rectangle::new(width, height),
-            grid,
-        }
-    }
-
-    /// The pressure at a position, Pa.
-    fn pressure(&self, position: Point) -> f64 {
-        let place = [0, 1].map(|k| (position[k] - self.grid.origin()[k]) / self.grid.cell()[k]);
-        let [column, row] = place.map(f64::floor);
-        let [columns, rows] = [self.grid.columns(), self.grid.rows()];
-        let is_inside = column >= 0.0 && row >= 0.0 && column < columns as f64 && row < rows as f64;
-        match is_inside {
-            true => self.pressure[row as usize * columns + column as usize],
-            false => 0.0,
-        }
-    }
-
-    /// The displacement at a position times the reduced modulus.
-    fn displacement(&self, [x, y]: Point) -> f64 {
-        let cells = self.cells.iter();
-        let parts =
-            cells.map(|([u, v], pressure)| pressure * self.rectangle.potential(x - u, y - v));
-        parts.sum::<f64>() / PI
-    }
+    pressed: Option<FloorLoad>,
 }
 
 impl AsperityContact {
@@ -104,7 +55,8 @@ impl AsperityContact {
             modes,
             compliances: compliances(degree, 0.0),
             exterior: Exterior::new(degree),
-            pressed: self.floor.as_ref().map(PressedFloor::new),
+            pressed: (self.floor.as_ref())
+                .map(|floor| FloorLoad::new(floor.cells.clone(), floor.pressure.clone())),
             contacts,
         })
     }
