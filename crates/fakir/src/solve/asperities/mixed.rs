@@ -209,6 +209,11 @@ impl<'a> Ground<'a> {
         })
     }
 
+    /// Indentation of the first contact with a top or the floor.
+    fn first_touch(&self) -> f64 {
+        self.bench.layout.first_touch().min(self.depth)
+    }
+
     /// Radius beyond which the undeformed lens is above the floor.
     fn reach(&self, indentation: f64) -> f64 {
         let reach = self.lens.distance_of_rise(indentation - self.depth);
@@ -448,7 +453,7 @@ impl<'a> Ground<'a> {
             }
             let secant = last.map(|[at, force]| (reached - force) / (indentation - at));
             // Without a secant, that of Hertz's solution.
-            let first = self.bench.layout.first_touch().min(self.depth);
+            let first = self.first_touch();
             let slope = secant.filter(|slope| slope.is_finite() && *slope > 0.0);
             let slope = slope.unwrap_or(1.5 * reached / (indentation - first));
             last = Some([indentation, reached]);
@@ -491,7 +496,7 @@ impl Ground<'_> {
     ) -> Result<Option<Solved<'_>>, SolveError> {
         let mut equations = self.equations();
         let mut alone = alone.clone();
-        let first = self.bench.layout.first_touch().min(self.depth);
+        let first = self.first_touch();
         let step = |indentation: f64| SLOPE_STEP * (indentation - first);
         let further = |bound: f64| bound + larger(bound - first, self.depth);
         let mut bound = match target {
@@ -601,7 +606,7 @@ impl Ground<'_> {
         let Some(level) = levels.last() else {
             return Ok(None);
         };
-        let first = self.bench.layout.first_touch().min(self.depth);
+        let first = self.first_touch();
         let step = SLOPE_STEP * (level.indentation - first);
         let mut ends = Vec::new();
         for sign in [-1.0, 1.0] {
@@ -615,14 +620,15 @@ impl Ground<'_> {
         let [low, high] = &ends[..] else {
             return Ok(None);
         };
-        let rate = |of: &dyn Fn(&Pressed) -> f64| (of(high) - of(low)) / (2.0 * step);
-        let count = self.bench.layout.asperities.len();
-        let on = |asperity: usize| rate(&|it| equations.force_on(&it.contacts, asperity));
+        let slope = |low: f64, high: f64| (high - low) / (2.0 * step);
+        let rate = |of: &dyn Fn(&Pressed) -> f64| slope(of(low), of(high));
+        let forces = [low, high].map(|end| equations.forces(&end.contacts));
+        let ends = forces[0].iter().zip(&forces[1]);
         Ok(Some(Rates {
             force: rate(&Pressed::force),
             force_on_floor: rate(&|it| it.force_on_floor),
             area: rate(&Pressed::area),
-            forces: (0..count).map(on).collect(),
+            forces: ends.map(|(low, high)| slope(*low, *high)).collect(),
         }))
     }
 }
@@ -698,12 +704,10 @@ impl Bench {
             }
             (Some(error), floor)
         });
-        let mut loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
-        let mut is_loaded = vec![false; solved.mesh.cells.grid().cell_count()];
-        for index in solved.mesh.cells.indices() {
-            is_loaded[index] = loaded.next() == Some(true);
-        }
-        let cells = Cells::where_true(solved.mesh.cells.grid(), |index| is_loaded[index]);
+        let grid = solved.mesh.cells.grid();
+        let mut whole = vec![0.0; grid.cell_count()];
+        solved.mesh.cells.scatter(&pressed.pressure, &mut whole);
+        let cells = Cells::where_true(grid, |index| whole[index] > 0.0);
         let positive = pressed.pressure.iter().filter(|pressure| **pressure > 0.0);
         let before = solved.levels.iter().rev().nth(1);
         let floor = FloorContact {
@@ -748,7 +752,7 @@ impl Bench {
 }
 
 impl Solved<'_> {
-    /// Errors of force, area and indentation, and of the floor, from the last two grids and a pressure of higher degree.
+    /// Errors of force, area and indentation, and of the floor, from the three grids and a pressure of higher degree.
     fn errors(
         &self,
         rates: &Rates,
@@ -852,7 +856,7 @@ mod tests {
             assert!(found.share() > 0.1);
             let discs = &found.contacts.discs;
             assert!(discs.iter().all(|disc| disc.hold == Hold::Whole));
-            [found.force(), equations.force_on(&found.contacts, 0)]
+            [found.force(), equations.forces(&found.contacts)[0]]
         };
         let with = |raised: f64, moved: f64| at(raised, indentation + moved);
         let of_height = with(step, 0.0)[0] - with(-step, 0.0)[0];

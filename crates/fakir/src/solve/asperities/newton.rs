@@ -100,12 +100,14 @@ impl Equations<'_> {
         UNIT_FORCE * means.sum::<f64>()
     }
 
-    /// Force on an asperity.
-    pub(crate) fn force_on(&self, contacts: &Contacts, asperity: usize) -> f64 {
-        let discs = contacts.discs.iter();
-        let means = discs.zip(contacts.moments.iter().step_by(self.modes()));
-        let own = means.filter(|(disc, _)| disc.asperity == asperity);
-        UNIT_FORCE * own.map(|(_, mean)| mean).sum::<f64>()
+    /// Force on every asperity.
+    pub(crate) fn forces(&self, contacts: &Contacts) -> Vec<f64> {
+        let mut forces = vec![0.0; self.layout.asperities.len()];
+        let means = contacts.moments.iter().step_by(self.modes());
+        for (disc, mean) in contacts.discs.iter().zip(means) {
+            forces[disc.asperity] += UNIT_FORCE * mean;
+        }
+        forces
     }
 
     /// Contacts with the radii given by point forces.
