@@ -69,7 +69,6 @@ pub(crate) fn gradient(
         if mixed.solution.outcome.termination != Termination::Converged {
             return Err(refused(NOT_CONVERGED));
         }
-        mixed::check_memory_of_derivatives(&mixed.solution.newton)?;
         let derivatives =
             scene_derivatives(&mut mixed.solution.newton, None, &changes, wants_distances)?;
         let load = target.into();

@@ -43,6 +43,7 @@ use crate::problem::Point;
 use crate::problem::column::Column;
 use crate::problem::layer::WeightedLayer;
 use crate::solve::floor::{Discs, FloorDisplacement, FloorPoint, LoadedDiscs};
+use crate::solve::mixed;
 use crate::solve::newton::{FLOOR_LINEAR_TOLERANCE, LINEAR_TOLERANCE, Newton};
 use crate::solve::rules::floor::{lens_load, lens_load_by_radius};
 use crate::solve::rules::rim::Motion;
@@ -112,6 +113,9 @@ pub(crate) fn scene_derivatives(
     // The last entry is the derivative with respect to the logarithm of all thicknesses.
     let mut of_layers = of_layers.to_vec();
     of_layers.extend(by_thickness(&newton.scene.layers));
+    if wants_distances || !of_layers.is_empty() {
+        mixed::check_memory_of_derivatives(newton)?;
+    }
     let rim_contacts = rim_contacts(newton)?;
     let modes = newton.contact.modes();
     let tops = newton.contact.tops();
