@@ -169,13 +169,18 @@ impl AsperityCase {
     /// fraction was given.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {
-        let mut numbers = self.numbers.iter();
-        let given = numbers.find(|(given, _)| *given == key);
         let of_lattice = || {
             let lattice = self.lattice.filter(|_| key == Key::Pitch)?;
             Some(lattice.form.pitch())
         };
-        given.map(|(_, value)| *value).or_else(of_lattice)
+        self.given_number(key).or_else(of_lattice)
+    }
+
+    /// Finite number of a key, if it was given.
+    fn given_number(&self, key: Key) -> Option<f64> {
+        let mut numbers = self.numbers.iter();
+        let given = numbers.find(|(given, _)| *given == key);
+        given.map(|(_, value)| *value)
     }
 
     /// Smallest and largest valid number of a key for fixed values of all other keys, in SI units.
@@ -184,11 +189,7 @@ impl AsperityCase {
         bounds_beside(
             key,
             |other| self.number(other),
-            |other| {
-                let mut numbers = self.numbers.iter();
-                let given = numbers.find(|(given, _)| *given == other);
-                given.map(|(_, value)| *value)
-            },
+            |other| self.given_number(other),
         )
     }
 

@@ -163,29 +163,13 @@ pub fn is_height_map(path: &Path, contents: &[u8]) -> bool {
     /// Columns from which a text without headings is a map.
     const MANY: usize = 8;
     let is_array = matches!(extension(path).as_deref(), Some("npy" | "npz"));
-    let starts = [
-        "\u{89}PNG",
-        "II*\0",
-        "MM\0*",
-        "aISO",
-        "bISO",
-        "aBCR",
-        "ncols",
-    ];
-    let latin: String = contents
-        .iter()
-        .take(8)
-        .map(|byte| char::from(*byte))
-        .collect();
-    if is_array || starts.iter().any(|start| latin.starts_with(start)) {
-        return true;
-    }
-    let is_archive = contents.starts_with(b"PK\x03\x04");
-    if is_archive
-        && archive::names(contents)
-            .iter()
-            .any(|name| name == "main.xml")
-    {
+    let is_known = match Signature::of(contents) {
+        Some(Signature::Archive) => is_x3p(contents),
+        Some(_) => true,
+        // A grid of ESRI.
+        None => contents.starts_with(b"ncols"),
+    };
+    if is_array || is_known {
         return true;
     }
     let start = String::from_utf8_lossy(&contents[..contents.len().min(100_000)]);
@@ -234,6 +218,39 @@ fn scaled(
 /// Number of bytes by which formats are recognised.
 const FIRST_BYTES: usize = 512;
 
+/// Formats of which the first bytes are known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Signature {
+    Png,
+    Tiff,
+    BinarySdf,
+    Sdf,
+    /// A zip archive, which may contain a profile in the format X3P.
+    Archive,
+}
+
+impl Signature {
+    fn of(start: &[u8]) -> Option<Self> {
+        let known: [(&[u8], Self); 7] = [
+            (b"\x89PNG", Self::Png),
+            (b"II*\0", Self::Tiff),
+            (b"MM\0*", Self::Tiff),
+            (b"bISO", Self::BinarySdf),
+            (b"aISO", Self::Sdf),
+            (b"aBCR", Self::Sdf),
+            (b"PK\x03\x04", Self::Archive),
+        ];
+        let mut known = known.into_iter();
+        known.find_map(|(bytes, found)| start.starts_with(bytes).then_some(found))
+    }
+}
+
+/// Whether an archive contains a profile in the format X3P.
+fn is_x3p(archive: &[u8]) -> bool {
+    let names = archive::names(archive);
+    names.iter().any(|name| name == "main.xml")
+}
+
 /// Reads a file that is neither an array nor an archive of NumPy, by its first bytes.
 fn parse_other(
     source: &Source<'_>,
@@ -248,28 +265,22 @@ fn parse_other(
         let most = source.memory_limit as u64;
         input::read_all(opened, most).map_err(|error| source.unreadable(error))
     };
-    let begins = |with: &[u8]| start.starts_with(with);
-    if begins(b"\x89PNG") {
-        return height_image::png(source, &whole(&mut opened)?);
-    }
-    if begins(b"II*\0") || begins(b"MM\0*") {
-        return height_image::tiff(source, &whole(&mut opened)?);
-    }
-    if begins(b"bISO") {
-        return height_profiles::binary_sdf(source, &whole(&mut opened)?);
-    }
-    if begins(b"aISO") || begins(b"aBCR") {
-        return height_profiles::sdf(source, &whole(&mut opened)?);
-    }
-    let is_archive = begins(b"PK\x03\x04");
-    let bytes = if is_archive {
-        whole(&mut opened)?
-    } else {
-        start
+    let bytes = match Signature::of(&start) {
+        Some(Signature::Png) => return height_image::png(source, &whole(&mut opened)?),
+        Some(Signature::Tiff) => return height_image::tiff(source, &whole(&mut opened)?),
+        Some(Signature::BinarySdf) => {
+            return height_profiles::binary_sdf(source, &whole(&mut opened)?);
+        }
+        Some(Signature::Sdf) => return height_profiles::sdf(source, &whole(&mut opened)?),
+        Some(Signature::Archive) => {
+            let archive = whole(&mut opened)?;
+            if is_x3p(&archive) {
+                return height_profiles::x3p(source, &archive);
+            }
+            archive
+        }
+        None => start,
     };
-    if is_archive && archive::names(&bytes).iter().any(|name| name == "main.xml") {
-        return height_profiles::x3p(source, &bytes);
-    }
     let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     let format = formats::recognised(path, &bytes).map(|format| (format.name, format.heights));
     let wide = ("text in UTF-16", "save it as text in UTF-8");

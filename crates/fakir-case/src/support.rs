@@ -135,9 +135,7 @@ fn can_have(solver: Solver, features: &[Feature]) -> bool {
     let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
     let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
     let of_height_maps = solver != Solver::HeightMap && has(Feature::Periodic);
-    // The floor under rounded tops is not ignored.
-    let ignored = solver == Solver::Asperities && has(Feature::IgnoredFloor);
-    features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !of_height_maps && !ignored
+    features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !of_height_maps
 }
 
 /// These features and those that they imply: a tilted plate is a plate, and an adhesive floor has adhesive tops.
