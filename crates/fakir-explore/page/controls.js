@@ -129,23 +129,10 @@ export class Controls {
    * @returns {Widget}
    */
   #field(field) {
-    const { box, note, id, describedBy } = frame(field);
-    const text = document.createElement("input");
-    text.id = id;
-    text.type = "text";
+    const { box, note, text, slider } = textAndSlider(field);
     text.inputMode = "decimal";
-    text.spellcheck = false;
-    text.autocomplete = "off";
     // An empty field of a number without a default: the lattice has no end.
     if (field.default === null && field.whole) text.placeholder = "no end";
-    text.setAttribute("aria-describedby", describedBy);
-    const slider = document.createElement("input");
-    slider.id = `${id}-slider`;
-    slider.type = "range";
-    slider.min = "0";
-    slider.max = String(STEPS);
-    slider.setAttribute("aria-label", `${field.label}, slider`);
-    slider.setAttribute("aria-describedby", describedBy);
     // A number without a unit gets the unit of the value that it replaces.
     let unit = unitOf(editable(ends(field)[0], field.dimension));
     text.addEventListener("change", () => {
@@ -200,21 +187,8 @@ export class Controls {
    * @returns {Widget}
    */
   #list(field) {
-    const { box, note, id, describedBy } = frame(field);
-    const text = document.createElement("input");
-    text.id = id;
-    text.type = "text";
-    text.spellcheck = false;
-    text.autocomplete = "off";
+    const { box, note, text, slider } = textAndSlider(field);
     text.placeholder = "elastic";
-    text.setAttribute("aria-describedby", describedBy);
-    const slider = document.createElement("input");
-    slider.id = `${id}-slider`;
-    slider.type = "range";
-    slider.min = "0";
-    slider.max = String(STEPS);
-    slider.setAttribute("aria-label", `${field.label}, slider`);
-    slider.setAttribute("aria-describedby", describedBy);
     /** @type {(value: Value) => string} */
     const wordsOf = (value) => (typeof value === "number" ? editable(value, field.dimension) : value);
     text.addEventListener("change", () => {
@@ -328,6 +302,28 @@ function titleOf(table) {
  * @property {string} id
  * @property {string} describedBy IDs of the elements with the meaning of the key and the error in its value.
  */
+
+/**
+ * The frame of a control with a text and a slider, which are not in it yet.
+ * @param {Field} field
+ */
+function textAndSlider(field) {
+  const { box, note, id, describedBy } = frame(field);
+  const text = document.createElement("input");
+  text.id = id;
+  text.type = "text";
+  text.spellcheck = false;
+  text.autocomplete = "off";
+  text.setAttribute("aria-describedby", describedBy);
+  const slider = document.createElement("input");
+  slider.id = `${id}-slider`;
+  slider.type = "range";
+  slider.min = "0";
+  slider.max = String(STEPS);
+  slider.setAttribute("aria-label", `${field.label}, slider`);
+  slider.setAttribute("aria-describedby", describedBy);
+  return { box, note, text, slider };
+}
 
 /**
  * A box with label and help of a key, to which the input is added.

@@ -72,16 +72,7 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
             let solved = solved(&case, request, worker)?;
             let figure = figure(name, &case, &solved, &worker.run())?
                 .with_provenance(&provenance(&case, &solved).stamp());
-            match extension {
-                "svg" => File {
-                    kind: SVG,
-                    contents: figure.svg().into_bytes(),
-                },
-                _ => File {
-                    kind: PNG,
-                    contents: figure.png(),
-                },
-            }
+            picture(&figure, extension)
         }
         _ => {
             return Err(Refusal::impossible("there is no such file")
@@ -129,19 +120,23 @@ fn history(
                 case.to_toml(),
             )
             .stamp();
-            let figure = history_figure(&found)?.with_provenance(&stamp);
-            match extension {
-                "svg" => File {
-                    kind: SVG,
-                    contents: figure.svg().into_bytes(),
-                },
-                _ => File {
-                    kind: PNG,
-                    contents: figure.png(),
-                },
-            }
+            picture(&history_figure(&found)?.with_provenance(&stamp), extension)
         }
     })
+}
+
+/// A figure as a file with this extension, `svg` or `png`.
+fn picture(figure: &Figure, extension: &str) -> File {
+    match extension {
+        "svg" => File {
+            kind: SVG,
+            contents: figure.svg().into_bytes(),
+        },
+        _ => File {
+            kind: PNG,
+            contents: figure.png(),
+        },
+    }
 }
 
 /// Data of a file.

@@ -105,7 +105,9 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
             );
         }
     };
-    let texts = Texts {
+    let stated = Whole {
+        cells: [surface.grid().columns(), surface.grid().rows()],
+        relief,
         toml: case.to_toml(),
         command: format!(
             "fakir press fakir-surface.toml --indentation {}",
@@ -128,18 +130,18 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
             }
         };
         let contact = system.press(Load::Indentation(indentation), &run)?;
-        let shown = Shown {
-            approximate: step < last,
-            file_cells: [surface.grid().columns(), surface.grid().rows()],
-            relief_m: relief,
-            ..shown(system, &contact, start.elapsed().as_secs_f64(), &texts)?
-        };
-        worker.send(&SurfaceLine { surface: shown });
+        let wall_time = start.elapsed().as_secs_f64();
+        let surface = shown(&stated, system, &contact, step < last, wall_time)?;
+        worker.send(&SurfaceLine { surface });
     }
     Ok(())
 }
 
-struct Texts {
+/// What is said of the file whatever the cells of an answer.
+struct Whole {
+    cells: [usize; 2],
+    /// Range of the heights, m.
+    relief: f64,
     toml: String,
     command: String,
 }
@@ -202,10 +204,11 @@ fn blocks(
 }
 
 fn shown(
+    stated: &Whole,
     system: &SurfaceSystem,
     contact: &SurfaceContact,
+    approximate: bool,
     wall_time: f64,
-    texts: &Texts,
 ) -> Result<Shown, Failure> {
     let grid = &contact.grid;
     let factor = grid.columns().max(grid.rows()).div_ceil(DRAWN);
@@ -231,10 +234,10 @@ fn shown(
         answer: contact,
     };
     Ok(Shown {
-        approximate: false,
-        file_cells: [grid.columns(), grid.rows()],
+        approximate,
+        file_cells: stated.cells,
         cells: [grid.columns(), grid.rows()],
-        relief_m: high - low,
+        relief_m: stated.relief,
         indentation_m: contact.indentation,
         summary: Record::of(&answer).object(),
         wall_time_s: wall_time,
@@ -255,7 +258,7 @@ fn shown(
             .collect(),
         largest_pressure_Pa: most,
         section: section.into(),
-        toml: texts.toml.clone(),
-        command: texts.command.clone(),
+        toml: stated.toml.clone(),
+        command: stated.command.clone(),
     })
 }

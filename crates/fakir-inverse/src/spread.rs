@@ -502,8 +502,6 @@ fn force(
 
 /// Critical state of a sample, or the reason why there is no reliable one.
 fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
-    let not_detached = || "the lens does not detach".to_owned();
-    // Without tensile force the lens detaches without a pull-off force.
     match case {
         AnyCase::Pillars(case) if case.system.adhesion().is_none() => {
             let critical = fakir::transition(&case.system, case.method, run)?;
@@ -517,14 +515,11 @@ fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, So
             if let Some(problem) = cycle.problem() {
                 return Ok(Err(problem));
             }
-            let critical = cycle.critical.filter(|_| cycle.separation.is_some());
-            Ok(critical.ok_or_else(not_detached).map(|critical| Critical {
-                pull_off: Some(PullOff {
-                    force: cycle.pull_off.as_ref().map_or(0.0, |it| it.force),
-                    hysteresis: cycle.loop_area,
-                }),
-                ..Critical::of(&critical.contact, critical.contact_radius())
-            }))
+            let critical = cycle.critical.as_ref();
+            let critical = critical.map(|it| Ok(Critical::of(&it.contact, it.contact_radius())));
+            let hysteresis = cycle.separation.map(|_| cycle.loop_area);
+            let force = cycle.pull_off.as_ref().map(|it| it.force);
+            Ok(pulled_off(critical, force, hysteresis))
         }
         AnyCase::Asperities(case) if case.field.adhesion().is_none() => {
             let critical = case.field.transition(case.accuracy, run)?;
@@ -538,20 +533,32 @@ fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, So
             if let Some(problem) = cycle.problem() {
                 return Ok(Err(problem));
             }
-            let (Some(critical), Some(hysteresis)) = (&cycle.critical, cycle.loop_area) else {
-                return Ok(Err(not_detached()));
-            };
-            let found = Critical::found(&critical.contact, critical.contact_radius());
-            Ok(found.map(|critical| Critical {
-                pull_off: Some(PullOff {
-                    force: cycle.pull_off.as_ref().map_or(0.0, |it| it.force),
-                    hysteresis,
-                }),
-                ..critical
-            }))
+            let critical = cycle.critical.as_ref();
+            let critical = critical.map(|it| Critical::found(&it.contact, it.contact_radius()));
+            let force = cycle.pull_off.as_ref().map(|it| it.force);
+            Ok(pulled_off(critical, force, cycle.loop_area))
         }
         AnyCase::HeightMap(_) | AnyCase::Flat(_) => Err(SolveError::NoFloor),
     }
+}
+
+/// Critical state and pull-off of a cycle. Without tensile force the lens detaches without a pull-off force; without hysteresis it does not detach.
+fn pulled_off(
+    critical: Option<Result<Critical, String>>,
+    force: Option<f64>,
+    hysteresis: Option<f64>,
+) -> Result<Critical, String> {
+    let (Some(critical), Some(hysteresis)) = (critical, hysteresis) else {
+        return Err("the lens does not detach".to_owned());
+    };
+    let pull_off = Some(PullOff {
+        force: force.unwrap_or(0.0),
+        hysteresis,
+    });
+    critical.map(|critical| Critical {
+        pull_off,
+        ..critical
+    })
 }
 
 impl Critical {

@@ -10,9 +10,7 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use crate::provenance::Provenance;
 use crate::record::{AsperityAnswer, AsperityCritical, GradientObject, Record, indenter_name};
 use crate::report::asperities::{case_line, method_line};
-use crate::report::state::{
-    QuantityList, adhesion_words, alone, drive_words, error_remark, range_warnings,
-};
+use crate::report::state::{QuantityList, adhesion_words, drive_words, range_warnings, remark};
 use crate::report::table::table;
 use crate::result::{
     AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
@@ -143,7 +141,6 @@ impl Kind for AsperityCase {
         let contact = found.contact();
         let error = contact.error.unwrap_or_default();
         let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
-        let remark = |error: f64| alone(&error_remark(error));
         let depth = relative(error.indentation, contact.indentation.abs());
         let mut list = QuantityList::default();
         list.quantity(
@@ -348,7 +345,6 @@ impl Found<AsperityCase> for AsperityCycle {
 
 fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
     let mut list = QuantityList::default();
-    let remark = |error: f64| alone(&error_remark(error));
     let first = cycle
         .first_contact
         .and_then(|place| cycle.load_steps.get(place));
@@ -369,18 +365,11 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
     if let Some(indentation) = cycle.separation {
         list.length("last release", indentation, String::new());
     }
-    let known = digits(cycle.errors.loop_area);
-    if let Some(work) = cycle.work_of_separation {
-        list.row("work of separation", significant(work, known), "J", "");
-    }
-    if let Some(area) = cycle.loop_area {
-        list.row(
-            "hysteresis",
-            significant(area, known),
-            "J",
-            &remark(cycle.errors.loop_area),
-        );
-    }
+    list.works(
+        cycle.work_of_separation,
+        cycle.loop_area,
+        cycle.errors.loop_area,
+    );
     if let Some(certificate) = cycle.certificate() {
         list.row(
             "certificate",
@@ -406,7 +395,6 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
 
 /// Adds the end of the loading of rounded tops, and the pull-off.
 pub fn turn_and_pull_off_of_tops(list: &mut QuantityList, cycle: &AsperityCycle) {
-    let remark = |error: f64| alone(&error_remark(error));
     let turn = &cycle.turn;
     let error = turn.error.unwrap_or_default();
     let turn_remark = match (&cycle.critical, turn.floor_gap) {

@@ -8,7 +8,7 @@ use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
 use crate::record::{FlatAnswer, GradientObject, Record};
 use crate::report::state::{
-    QuantityList, adhesion_words, alone, drive_words, error_remark, lens_words, range_warnings,
+    QuantityList, adhesion_words, drive_words, lens_words, range_warnings, remark,
 };
 use crate::result::{csv, json};
 use fakir::problem::{CyclePlan, Interactions, Load, Solver, UnloadingPoint};
@@ -241,10 +241,6 @@ struct CycleRow {
     contact_radius_m: f64,
 }
 
-fn remark(error: f64) -> String {
-    alone(&error_remark(error))
-}
-
 impl Found<FlatCase> for FlatCycle {
     fn question(&self) -> String {
         "loading and unloading with adhesion".to_owned()
@@ -327,18 +323,11 @@ impl Found<FlatCase> for FlatCycle {
         if let Some(indentation) = self.separation {
             list.length("detachment", indentation, String::new());
         }
-        let known = digits(self.loop_area_error);
-        if let Some(work) = self.work_of_separation {
-            list.row("work of separation", significant(work, known), "J", "");
-        }
-        if let Some(area) = self.loop_area {
-            list.row(
-                "hysteresis",
-                significant(area, known),
-                "J",
-                &remark(self.loop_area_error),
-            );
-        }
+        list.works(
+            self.work_of_separation,
+            self.loop_area,
+            self.loop_area_error,
+        );
         list.interactions(&Record::of(self));
         list.limits(&self.limits(of));
         of.case.solution(&mut list, &self.turn, of.wall_time);

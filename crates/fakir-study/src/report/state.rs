@@ -515,6 +515,23 @@ impl QuantityList {
         self.limits(&of_range.copied().collect::<Vec<Limit>>())
     }
 
+    /// Work of separation and hysteresis (J) of a cycle, as far as they are known; `error` is the relative error of the second one.
+    pub(crate) fn works(
+        &mut self,
+        separation: Option<f64>,
+        hysteresis: Option<f64>,
+        error: f64,
+    ) -> &mut Self {
+        let known = digits(error);
+        if let Some(work) = separation {
+            self.row("work of separation", significant(work, known), "J", "");
+        }
+        if let Some(area) = hysteresis {
+            self.row("hysteresis", significant(area, known), "J", &remark(error));
+        }
+        self
+    }
+
     /// An area, in the square of the unit that suits its root.
     pub fn area(&mut self, name: &str, area: f64, digits: usize, remark: &str) -> &mut Self {
         let unit = Dimension::Length.unit_for(area.sqrt());
@@ -609,6 +626,11 @@ pub fn error_remark(error: f64) -> String {
     } else {
         String::new()
     }
+}
+
+/// The same as a separate remark.
+pub(crate) fn remark(error: f64) -> String {
+    alone(&error_remark(error))
 }
 
 /// The end of a remark as a separate remark, without the leading comma.
