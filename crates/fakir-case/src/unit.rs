@@ -24,6 +24,10 @@ pub enum Dimension {
     Angle,
     /// A time, in s.
     Time,
+    /// A speed, in m/s.
+    Speed,
+    /// A force per time, in N/s.
+    ForceRate,
     /// A fraction: a plain number, or in per cent.
     Fraction,
     /// A plain number, without a unit.
@@ -88,7 +92,7 @@ const FURTHER_UNITS: [Unit; 16] = [
     unit("bar", Dimension::Pressure, Scale::Factor(1e5)),
 ];
 
-const UNITS: [Unit; 26] = [
+const UNITS: [Unit; 34] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
     unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
     unit("um", Dimension::Length, Scale::PowerOfTen(-6)),
@@ -114,6 +118,14 @@ const UNITS: [Unit; 26] = [
     unit("ms", Dimension::Time, Scale::PowerOfTen(-3)),
     unit("min", Dimension::Time, Scale::Factor(60.0)),
     unit("h", Dimension::Time, Scale::Factor(3600.0)),
+    unit("m/s", Dimension::Speed, Scale::PowerOfTen(0)),
+    unit("mm/s", Dimension::Speed, Scale::PowerOfTen(-3)),
+    unit("um/s", Dimension::Speed, Scale::PowerOfTen(-6)),
+    unit("nm/s", Dimension::Speed, Scale::PowerOfTen(-9)),
+    unit("N/s", Dimension::ForceRate, Scale::PowerOfTen(0)),
+    unit("mN/s", Dimension::ForceRate, Scale::PowerOfTen(-3)),
+    unit("uN/s", Dimension::ForceRate, Scale::PowerOfTen(-6)),
+    unit("nN/s", Dimension::ForceRate, Scale::PowerOfTen(-9)),
     unit("%", Dimension::Fraction, Scale::PowerOfTen(-2)),
 ];
 
@@ -201,6 +213,8 @@ impl Dimension {
             Self::Stiffness => "stiffness",
             Self::Angle => "angle",
             Self::Time => "time",
+            Self::Speed => "speed",
+            Self::ForceRate => "rate of a force",
             Self::Fraction => "fraction",
             Self::Number => "number",
         }
@@ -217,6 +231,8 @@ impl Dimension {
             Self::Stiffness => "_N_per_m",
             Self::Angle => "_rad",
             Self::Time => "_s",
+            Self::Speed => "_m_per_s",
+            Self::ForceRate => "_N_per_s",
             Self::Fraction | Self::Number => "",
         }
     }
@@ -232,6 +248,8 @@ impl Dimension {
             Self::Stiffness => ("20 N/m", "N/m"),
             Self::Angle => ("30 deg", "rad"),
             Self::Time => ("10 s", "s"),
+            Self::Speed => ("1 um/s", "m/s"),
+            Self::ForceRate => ("10 uN/s", "N/s"),
             Self::Fraction => {
                 return "give a fraction as a bare number such as 0.03, or in per cent, written like \"3 %\""
                     .to_owned();
@@ -318,7 +336,12 @@ impl Dimension {
             Self::Force => Some([1e-7, 0.1]),
             Self::EnergyPerArea => Some([1e-3, 0.5]),
             Self::Angle => Some([0.0, FRAC_PI_2]),
-            Self::Stiffness | Self::Time | Self::Fraction | Self::Number => None,
+            Self::Stiffness
+            | Self::Time
+            | Self::Speed
+            | Self::ForceRate
+            | Self::Fraction
+            | Self::Number => None,
         }
     }
 
@@ -328,9 +351,12 @@ impl Dimension {
         let greatest = GENEROUS * usual[1];
         match self {
             Self::Pressure => [usual[0], f64::INFINITY],
-            Self::Stiffness | Self::Time | Self::Fraction | Self::Number => {
-                [f64::NEG_INFINITY, f64::INFINITY]
-            }
+            Self::Stiffness
+            | Self::Time
+            | Self::Speed
+            | Self::ForceRate
+            | Self::Fraction
+            | Self::Number => [f64::NEG_INFINITY, f64::INFINITY],
             Self::Length | Self::Force | Self::EnergyPerArea | Self::Angle => [-greatest, greatest],
         }
     }

@@ -196,6 +196,8 @@ pub(crate) fn parse_quantity(text: &str, dimension: &str) -> PyResult<f64> {
         "stiffness" => Dimension::Stiffness,
         "angle" => Dimension::Angle,
         "time" => Dimension::Time,
+        "speed" => Dimension::Speed,
+        "rate of a force" => Dimension::ForceRate,
         "fraction" => Dimension::Fraction,
         "number" => Dimension::Number,
         _ => return Err(value_error(format!("no dimension \"{dimension}\""))),

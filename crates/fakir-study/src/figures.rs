@@ -187,6 +187,8 @@ fn figure_axis(variable: Variable, values: &[f64]) -> (FigureAxis, f64) {
         Variable::Indentation => "indentation at the turn *ζ*".to_owned(),
         Variable::Force => "force at the turn *F*".to_owned(),
         Variable::RampTime => "duration of the ramp".to_owned(),
+        Variable::IndentationRate => "rate of indentation".to_owned(),
+        Variable::ForceRate => "rate of the force".to_owned(),
         Variable::HoldTime => "duration of the hold".to_owned(),
     };
     let label = match unit {
@@ -210,6 +212,7 @@ fn setting(variable: Variable, value: &Coordinate) -> String {
         Variable::Indentation => "*ζ*".to_owned(),
         Variable::Force => "*F*".to_owned(),
         Variable::RampTime => "ramp".to_owned(),
+        Variable::IndentationRate | Variable::ForceRate => "rate".to_owned(),
         Variable::HoldTime => "hold".to_owned(),
     };
     let value = match value {

@@ -21,18 +21,27 @@ pub enum Variable {
     Force,
     /// Time in which viscoelastic bodies are loaded, s.
     RampTime,
+    /// Rate of the indentation while viscoelastic bodies are loaded, m/s.
+    IndentationRate,
+    /// Rate of the force while viscoelastic bodies are loaded, N/s.
+    ForceRate,
     /// Time for which the load is then held, s.
     HoldTime,
 }
 
 impl Variable {
-    /// The variables that are no keys: loads and times.
-    pub(crate) const PRESCRIBED: [Self; 4] = [
+    /// The variables that are no keys: loads, times and rates.
+    pub(crate) const PRESCRIBED: [Self; 6] = [
         Self::Indentation,
         Self::Force,
         Self::RampTime,
+        Self::IndentationRate,
+        Self::ForceRate,
         Self::HoldTime,
     ];
+
+    /// The variables that prescribe how fast the load of a hold is reached, of which at most one is given.
+    pub(crate) const RAMP: [Self; 3] = [Self::RampTime, Self::IndentationRate, Self::ForceRate];
 
     /// Name in a study: `"pattern.surface_fraction"`, `"indentation"`.
     #[must_use]
@@ -42,6 +51,8 @@ impl Variable {
             Self::Indentation => "indentation",
             Self::Force => "force",
             Self::RampTime => "ramp_time",
+            Self::IndentationRate => "indentation_rate",
+            Self::ForceRate => "force_rate",
             Self::HoldTime => "hold_time",
         }
     }
@@ -71,6 +82,8 @@ impl Variable {
             Self::Indentation => Some(Dimension::Length),
             Self::Force => Some(Dimension::Force),
             Self::RampTime | Self::HoldTime => Some(Dimension::Time),
+            Self::IndentationRate => Some(Dimension::Speed),
+            Self::ForceRate => Some(Dimension::ForceRate),
         }
     }
 
@@ -86,6 +99,11 @@ impl Variable {
         matches!(self, Self::Indentation | Self::Force)
     }
 
+    /// Whether it is a rate, which is greater than 0.
+    pub(crate) fn is_rate(self) -> bool {
+        matches!(self, Self::IndentationRate | Self::ForceRate)
+    }
+
     pub(crate) fn is_key(self) -> bool {
         matches!(self, Self::Key(_))
     }
@@ -96,7 +114,7 @@ impl Variable {
             Self::Key(key) => key.alternative().map(Self::Key),
             Self::Indentation => Some(Self::Force),
             Self::Force => Some(Self::Indentation),
-            Self::RampTime | Self::HoldTime => None,
+            Self::RampTime | Self::IndentationRate | Self::ForceRate | Self::HoldTime => None,
         }
     }
 

@@ -24,9 +24,9 @@ pub struct StudyFile {
     pub(super) combine: Combine,
     pub(super) load: Option<FixedLoad>,
     pub(super) drive: LoadingMode,
-    /// Durations of the ramp and of the hold, s, that are the same in every case.
-    pub(super) ramp_time: Option<(f64, Place)>,
-    pub(super) hold_time: Option<(f64, Place)>,
+    /// Duration or rate of the ramp, and duration of the hold, that are the same in every case.
+    pub(super) ramp: Option<FixedNumber>,
+    pub(super) hold_time: Option<FixedNumber>,
     pub(super) varied: Vec<Varied>,
 }
 
@@ -36,6 +36,26 @@ pub(super) struct FixedLoad {
     pub(super) variable: Variable,
     pub(super) load: Load,
     pub(super) place: Place,
+}
+
+/// A time or a rate, in SI units, that is the same in every case.
+#[derive(Debug, Clone)]
+pub(super) struct FixedNumber {
+    pub(super) variable: Variable,
+    pub(super) value: f64,
+    pub(super) place: Place,
+}
+
+impl FixedNumber {
+    pub(super) fn read(variable: Variable, entry: Entry) -> Result<Self, CaseError> {
+        let value = not_negative(variable, &entry)?;
+        let place = entry.place;
+        Ok(Self {
+            variable,
+            value,
+            place,
+        })
+    }
 }
 
 /// An axis with its position.
@@ -70,8 +90,20 @@ pub struct StudyCase {
 #[derive(Debug, Clone, Copy)]
 struct Posed {
     load: Option<Load>,
-    ramp_time: f64,
+    ramp: Option<(Variable, f64)>,
     hold_time: f64,
+}
+
+impl Posed {
+    /// Duration of the ramp to a load, s: 0 for a step. A rate is one of the load: [`StudyFile::check_times`] has ensured it.
+    fn ramp_time(&self, load: Load) -> f64 {
+        match (self.ramp, load) {
+            (None, _) => 0.0,
+            (Some((Variable::RampTime, time)), _) => time,
+            (Some((_, rate)), Load::Indentation(amount) | Load::Force(amount)) => amount / rate,
+            (Some(_), Load::FloorContact) => unreachable!("a rate without its load is refused"),
+        }
+    }
 }
 
 impl StudyFile {
@@ -193,45 +225,74 @@ impl StudyFile {
         }
     }
 
-    /// Checks that there are times if and only if the question requires them. `question` is its position.
+    /// Checks that there are times and rates if and only if the question requires them. `question` is its position.
     pub(super) fn check_times(&self, question: Option<&Place>) -> Result<(), CaseError> {
-        let times = [
-            (Variable::RampTime, &self.ramp_time),
-            (Variable::HoldTime, &self.hold_time),
-        ];
-        for (variable, fixed) in times {
-            let path = variable.path();
-            let mut axes = self.varied.iter();
-            let axis = axes.find(|varied| varied.axis.variable == variable);
-            let axis = axis.map(|varied| &varied.name);
-            let fixed = fixed.as_ref().map(|(_, place)| place);
-            match (self.asked, axis, fixed) {
-                (_, Some(axis), Some(fixed)) => {
-                    return Err(both_given((path, fixed), (path, axis), "study")
-                        .accepted("give a time once: in [study] or as an axis"));
-                }
-                (Asked::Hold, None, None) if variable == Variable::HoldTime => {
-                    let error = match question {
-                        Some(place) => CaseError::at(place, "this question needs a time"),
-                        None => CaseError::new(&self.source, "this question needs a time"),
-                    };
-                    return Err(error
-                        .key("study.question")
-                        .accepted("give hold_time = \"10 min\" in [study], or as an axis"));
-                }
-                (Asked::Hold, ..) | (_, None, None) => {}
-                (_, Some(place), None) | (_, None, Some(place)) => {
-                    let problem = format!(
-                        "a time has no place in the question \"{}\"",
-                        self.asked.name()
-                    );
-                    return Err(CaseError::at(place, problem)
-                        .key(path)
-                        .accepted("leave it out, or question = \"hold\" in [study]"));
-                }
+        let fixed = [&self.ramp, &self.hold_time].into_iter().flatten();
+        let fixed = fixed.map(|fixed| (fixed.variable, &fixed.place));
+        let axes = self.varied.iter();
+        let axes = axes.map(|varied| (varied.axis.variable, &varied.name));
+        let given: Vec<(Variable, &Place)> = fixed.chain(axes).collect();
+        let of_a_kind = [&Variable::RAMP[..], &[Variable::HoldTime]];
+        let [ramps, holds] = of_a_kind.map(|kind| {
+            let of_kind = given.iter().filter(|(given, _)| kind.contains(given));
+            of_kind.copied().collect::<Vec<_>>()
+        });
+        for kind in [&ramps, &holds] {
+            if let [first, second, ..] = kind[..] {
+                let [first, second] = [first, second].map(|(given, place)| (given.path(), place));
+                return Err(both_given(first, second, "study").accepted(
+                    "give a time once, in [study] or as an axis, and a ramp by its duration or by its rate",
+                ));
             }
         }
-        Ok(())
+        if self.asked != Asked::Hold {
+            let Some((variable, place)) = ramps.first().or(holds.first()) else {
+                return Ok(());
+            };
+            let problem = format!(
+                "a time has no place in the question \"{}\"",
+                self.asked.name()
+            );
+            return Err(CaseError::at(place, problem)
+                .key(variable.path())
+                .accepted("leave it out, or question = \"hold\" in [study]"));
+        }
+        if holds.is_empty() {
+            let error = match question {
+                Some(place) => CaseError::at(place, "this question needs a time"),
+                None => CaseError::new(&self.source, "this question needs a time"),
+            };
+            return Err(error
+                .key("study.question")
+                .accepted("give hold_time = \"10 min\" in [study], or as an axis"));
+        }
+        self.check_rate(&ramps)
+    }
+
+    /// Checks that a rate is one of the load that is prescribed.
+    fn check_rate(&self, ramps: &[(Variable, &Place)]) -> Result<(), CaseError> {
+        let Some(&(rate, place)) = ramps.first() else {
+            return Ok(());
+        };
+        let load = match rate {
+            Variable::IndentationRate => Variable::Indentation,
+            Variable::ForceRate => Variable::Force,
+            _ => return Ok(()),
+        };
+        let fixed = self.load.as_ref().map(|fixed| fixed.variable);
+        let mut given = fixed
+            .into_iter()
+            .chain(self.varied.iter().map(|v| v.axis.variable));
+        if given.any(|given| given == load) {
+            return Ok(());
+        }
+        let problem = format!("{} is the rate of a load that is not given", rate.path());
+        Err(CaseError::at(place, problem)
+            .key(rate.path())
+            .accepted(format!(
+                "give {} too, in [study] or as an axis, or ramp_time instead",
+                load.path()
+            )))
     }
 
     /// The step along every axis of a case.
@@ -316,11 +377,11 @@ impl StudyFile {
         let steps = self.steps(index);
         let mut file = self.case.clone();
         self.leave_out_idle_keys(&mut file, &steps);
-        let time = |fixed: &Option<(f64, Place)>| fixed.as_ref().map_or(0.0, |(time, _)| *time);
+        let ramp = self.ramp.as_ref();
         let mut posed = Posed {
             load: self.load.as_ref().map(|fixed| fixed.load),
-            ramp_time: time(&self.ramp_time),
-            hold_time: time(&self.hold_time),
+            ramp: ramp.map(|fixed| (fixed.variable, fixed.value)),
+            hold_time: self.hold_time.as_ref().map_or(0.0, |fixed| fixed.value),
         };
         let mut coordinates = Vec::with_capacity(steps.len());
         let axes = self.varied.iter().zip(steps).enumerate();
@@ -338,9 +399,11 @@ impl StudyFile {
                     file.entries.keys.insert(Key::MethodName, entry);
                 }
                 Variable::Key(key) => file.put(key, entry),
-                Variable::RampTime => posed.ramp_time = not_negative(Variable::RampTime, &entry)?,
                 Variable::HoldTime => posed.hold_time = not_negative(Variable::HoldTime, &entry)?,
-                variable => posed.load = Some(prescribed(variable, &entry)?),
+                ramp if Variable::RAMP.contains(&ramp) => {
+                    posed.ramp = Some((ramp, not_negative(ramp, &entry)?));
+                }
+                load => posed.load = Some(prescribed(load, &entry)?),
             }
             coordinates.push(coordinate);
         }
@@ -365,7 +428,7 @@ impl StudyFile {
             Asked::Collapse => Question::Collapse,
             Asked::Hold => Question::Hold(Hold {
                 load,
-                ramp_time: posed.ramp_time,
+                ramp_time: posed.ramp_time(load),
                 hold_time: posed.hold_time,
             }),
         };
@@ -454,18 +517,22 @@ pub(super) fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, Case
     })
 }
 
-/// The number of an entry, which is not negative: a load or a time.
+/// The number of an entry, which is not negative: a load, a time, or a rate, which is not 0 either.
 pub(super) fn not_negative(variable: Variable, entry: &Entry) -> Result<f64, CaseError> {
     let measured = variable.measured();
     let value = quantity(&measured, entry)?;
     let dimension = measured.dimension;
-    if !(value.is_finite() && value >= 0.0) {
+    let is_rate = variable.is_rate();
+    if !(value.is_finite() && if is_rate { value > 0.0 } else { value >= 0.0 }) {
         return Err(CaseError::at(
             &entry.place,
             format!("cannot be {}", format_quantity(value, dimension)),
         )
         .key(variable.path())
-        .accepted("it must be a finite number, 0 or greater"));
+        .accepted(match is_rate {
+            true => "it must be a finite number greater than 0; without it the load is a step",
+            false => "it must be a finite number, 0 or greater",
+        }));
     }
     Ok(value)
 }

@@ -22,7 +22,7 @@
 //! * The case is in the same file, or `[study]` names its file, such as `case = "paper-soft.toml"`
 //!   next to the study. An axis replaces the value in the case.
 //! * An axis is named by a [`Key`](crate::Key), in full or by its last name if it is unique, or by
-//!   `indentation`, `force`, `ramp_time` or `hold_time`. Cases are in the order of the file; the last axis varies fastest.
+//!   `indentation`, `force`, `ramp_time`, `indentation_rate`, `force_rate` or `hold_time`. Cases are in the order of the file; the last axis varies fastest.
 //! * A case with a general `[surface]` has axes over keys of lens, substrate and surface.
 //! * If `method.name` is an axis, other keys of `[method]` apply to the methods that have them.
 
@@ -272,13 +272,9 @@ impl Study {
         {
             let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
         }
-        for (variable, time) in [
-            (Variable::RampTime, &file.ramp_time),
-            (Variable::HoldTime, &file.hold_time),
-        ] {
-            if let Some((time, _)) = time {
-                let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*time));
-            }
+        for fixed in [&file.ramp, &file.hold_time].into_iter().flatten() {
+            let (path, written) = (fixed.variable.path(), fixed.variable.written(fixed.value));
+            let _ = writeln!(text, "{path} = {written}");
         }
         // The default is not written, so that journals from before the introduction of loading modes can be
         // continued.

@@ -2,7 +2,7 @@
 
 use super::asked::{Asked, Combine};
 use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
-use super::file::{FixedLoad, MAXIMUM_CASES, StudyFile, Varied, not_negative, prescribed};
+use super::file::{FixedLoad, FixedNumber, MAXIMUM_CASES, StudyFile, Varied, prescribed};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, both_given, document, in_order, kind_name,
     one_of, plain_value,
@@ -132,7 +132,7 @@ fn read(source: &Source, folder: &Path) -> Result<StudyFile, CaseError> {
         combine: settings.combine,
         load: settings.load,
         drive: settings.driven.drive(settings.asked)?,
-        ramp_time: settings.ramp_time,
+        ramp: settings.ramp,
         hold_time: settings.hold_time,
         varied,
     };
@@ -176,8 +176,8 @@ struct Settings {
     combine: Combine,
     load: Option<FixedLoad>,
     driven: Driven,
-    ramp_time: Option<(f64, Place)>,
-    hold_time: Option<(f64, Place)>,
+    ramp: Option<FixedNumber>,
+    hold_time: Option<FixedNumber>,
     case: Option<(String, Place)>,
 }
 
@@ -287,13 +287,15 @@ impl Reader<'_> {
     }
 
     fn settings(&self, value: &Spanned<DeValue<'_>>) -> Result<Settings, CaseError> {
-        const KEYS: [&str; 9] = [
+        const KEYS: [&str; 11] = [
             "question",
             "combine",
             "case",
             "indentation",
             "force",
             "ramp_time",
+            "indentation_rate",
+            "force_rate",
             "hold_time",
             "drive",
             "machine_stiffness",
@@ -330,13 +332,22 @@ impl Reader<'_> {
                             .accepted(NAME_IN_QUOTES));
                     }
                 },
-                "ramp_time" => {
-                    let time = not_negative(Variable::RampTime, &entry)?;
-                    settings.ramp_time = Some((time, entry.place));
-                }
                 "hold_time" => {
-                    let time = not_negative(Variable::HoldTime, &entry)?;
-                    settings.hold_time = Some((time, entry.place));
+                    settings.hold_time = Some(FixedNumber::read(Variable::HoldTime, entry)?);
+                }
+                ramp @ ("ramp_time" | "indentation_rate" | "force_rate") => {
+                    let variable = match ramp {
+                        "indentation_rate" => Variable::IndentationRate,
+                        "force_rate" => Variable::ForceRate,
+                        _ => Variable::RampTime,
+                    };
+                    let fixed = FixedNumber::read(variable, entry)?;
+                    if let Some(first) = settings.ramp.replace(fixed) {
+                        let second = self.place(value.span());
+                        let [a, b] = [(first.variable.path(), &first.place), (ramp, &second)];
+                        return Err(both_given(a, b, "study")
+                            .accepted("give a ramp by its duration or by its rate"));
+                    }
                 }
                 load @ ("indentation" | "force") => {
                     let variable = match load {

@@ -20,6 +20,10 @@ pub(crate) fn study_schema() -> Value {
     let machine = is("drive", LoadingModeName::Machine.word());
     let cycle = is("question", Asked::Cycle.name());
     let hold = is("question", Asked::Hold.name());
+    let times = Variable::RAMP.into_iter().chain([Variable::HoldTime]);
+    let times: Vec<Value> = times
+        .map(|time| json!({"required": [time.path()]}))
+        .collect();
     json!({
         "type": "object",
         "description": "The question about every case, and how the axes are combined.",
@@ -35,6 +39,8 @@ pub(crate) fn study_schema() -> Value {
             "indentation": variable_schema(Variable::Indentation),
             "force": variable_schema(Variable::Force),
             "ramp_time": variable_schema(Variable::RampTime),
+            "indentation_rate": variable_schema(Variable::IndentationRate),
+            "force_rate": variable_schema(Variable::ForceRate),
             "hold_time": variable_schema(Variable::HoldTime),
             "drive": described(
                 words_schema(&LoadingModeName::all()),
@@ -47,7 +53,7 @@ pub(crate) fn study_schema() -> Value {
             {"if": {"required": ["machine_stiffness"]}, "then": machine},
             {"if": machine, "then": {"required": ["machine_stiffness"]}},
             {"if": {"required": ["drive"]}, "then": cycle},
-            {"if": {"anyOf": [{"required": ["ramp_time"]}, {"required": ["hold_time"]}]}, "then": hold},
+            {"if": {"anyOf": times}, "then": hold},
         ],
     })
 }
@@ -72,13 +78,25 @@ pub(crate) fn load_rules() -> Vec<Value> {
     }
     let takes_load = [Asked::Press, Asked::Cycle, Asked::Hold].map(asks);
     rules.push(json!({"if": {"anyOf": all}, "then": {"anyOf": takes_load}}));
-    for time in [Variable::RampTime, Variable::HoldTime] {
-        let ways = [of_study(json!({"required": [time.path()]})), is_axis(time)];
-        rules.push(json!({"not": {"allOf": ways}}));
-        rules.push(json!({"if": is_axis(time), "then": asks(Asked::Hold)}));
-        if time == Variable::HoldTime {
-            rules.push(json!({"if": asks(Asked::Hold), "then": {"anyOf": ways}}));
+    let ways = |variable: Variable| {
+        let in_study = of_study(json!({"required": [variable.path()]}));
+        [in_study, is_axis(variable)]
+    };
+    for times in [&Variable::RAMP[..], &[Variable::HoldTime]] {
+        let all: Vec<Value> = times.iter().flat_map(|time| ways(*time)).collect();
+        for (index, one) in all.iter().enumerate() {
+            let others = all[..index].iter();
+            rules.extend(others.map(|other| json!({"not": {"allOf": [one, other]}})));
         }
+        let axes: Vec<Value> = times.iter().map(|time| is_axis(*time)).collect();
+        rules.push(json!({"if": {"anyOf": axes}, "then": asks(Asked::Hold)}));
+    }
+    rules.push(json!({"if": asks(Asked::Hold), "then": {"anyOf": ways(Variable::HoldTime)}}));
+    for (rate, load) in [
+        (Variable::IndentationRate, Variable::Indentation),
+        (Variable::ForceRate, Variable::Force),
+    ] {
+        rules.push(json!({"if": {"anyOf": ways(rate)}, "then": {"anyOf": ways(load)}}));
     }
     rules
 }
@@ -241,7 +259,10 @@ fn variable_schema(variable: Variable) -> Value {
         Variable::Key(key) => json!({"$ref": format!("#/definitions/{key}")}),
         load => {
             let dimension = load.dimension().unwrap_or(Dimension::Number);
-            let bounds = (Included(0.0), Unbounded);
+            let bounds = match load.is_rate() {
+                true => (Excluded(0.0), Unbounded),
+                false => (Included(0.0), Unbounded),
+            };
             let mut schema = quantity_schema(dimension, bounds, dimension.usual());
             schema["description"] =
                 format!("prescribed {} (in {})", load.path(), dimension.unit_list()).into();

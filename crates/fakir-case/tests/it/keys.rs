@@ -207,6 +207,8 @@ fn si_unit(key: Key) -> &'static str {
         Dimension::Stiffness => "N/m",
         Dimension::Angle => "rad",
         Dimension::Time => "s",
+        Dimension::Speed => "m/s",
+        Dimension::ForceRate => "N/s",
         Dimension::Fraction | Dimension::Number => "",
     }
 }

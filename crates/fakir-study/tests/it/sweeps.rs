@@ -2,7 +2,7 @@
 
 use fakir::problem::{Load, Relaxation};
 use fakir::state::{CancelToken, Run};
-use fakir_case::study::Coordinate;
+use fakir_case::study::{Coordinate, Question};
 use fakir_case::{Case, Study, StudyFile};
 use fakir_study::history::{HistoryCourse, HistoryPlan, follow};
 use fakir_study::{
@@ -469,6 +469,48 @@ fn holds_over_times_are_those_of_single_histories() {
         "{timed}[axes]\nhold_time = [\"1 s\"]\n{relaxation}"
     ));
     assert!(both.contains("both"), "{both}");
+    let other = refused(&format!(
+        "{timed}indentation_rate = \"1 um/s\"\n{axes}{relaxation}"
+    ));
+    assert!(
+        other.contains("rate of a load that is not given"),
+        "{other}"
+    );
+    let zero = refused(&format!(
+        "{timed}[axes]\nforce_rate = [\"0 N/s\"]\n{relaxation}"
+    ));
+    assert!(zero.contains("cannot be 0 N/s"), "{zero}");
+    let twice = refused(&format!(
+        "{timed}ramp_time = \"1 s\"\nforce_rate = \"1 uN/s\"\n{axes}{relaxation}"
+    ));
+    assert!(
+        twice.contains("ramp_time and force_rate are both given"),
+        "{twice}"
+    );
     let press = "[study]\nquestion = \"press\"\nforce = \"10 uN\"\nramp_time = \"1 s\"\n";
     assert!(refused(&format!("{press}{axes}")).contains("a time has no place"));
+}
+
+/// A rate, as an axis or in `[study]`, is the load over the duration of its ramp.
+#[test]
+fn a_rate_is_the_load_over_the_duration_of_its_ramp() {
+    let relaxed = "[relaxation]\nstrengths = [1.0]\ntimes = [\"10 s\"]\n";
+    let ramps = |text: &str| {
+        let study = study(&format!(
+            "[study]\nquestion = \"hold\"\nhold_time = \"5 s\"\n{text}{relaxed}"
+        ));
+        let again = StudyFile::parse("again.toml", study.to_toml()).unwrap();
+        assert_eq!(again.study().unwrap().to_toml(), study.to_toml());
+        let cases = (0..study.cases()).map(|index| study.case(index).question);
+        let ramps = cases.map(|question| match question {
+            Question::Hold(hold) => hold.ramp_time,
+            other => panic!("{other:?}"),
+        });
+        ramps.collect::<Vec<f64>>()
+    };
+    let slow =
+        ramps("indentation = \"1 um\"\n[axes]\nindentation_rate = [\"0.1 um/s\", \"500 nm/s\"]\n");
+    assert!((slow[0] - 10.0).abs() < 1e-12 && (slow[1] - 2.0).abs() < 1e-12);
+    let loads = ramps("force_rate = \"2 uN/s\"\n[axes]\nforce = [\"10 uN\", \"20 uN\"]\n");
+    assert!((loads[0] - 5.0).abs() < 1e-12 && (loads[1] - 10.0).abs() < 1e-12);
 }
