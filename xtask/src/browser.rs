@@ -32,6 +32,10 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
     let chromium = chromium()?;
     let (python, program) = python::prepare(cargo, TESTS)?;
     let mut tests = python::pytest(&python, TESTS, marked);
+    if name == "browser" {
+        // Tests wait for the browser for half of their time: two at once, and who has ended takes tests from the other.
+        tests.args(["--numprocesses", "2", "--dist", "worksteal"]);
+    }
     let mut programs = vec![program.clone()];
     if name == "browser" {
         // Without the module the page is tested with the server.
