@@ -222,7 +222,7 @@ class Fitted:
     def unloading(self) -> np.ndarray[Any, np.dtype[np.bool_]]: ...
 
 def fit(
-    case: Case | Flat | Asperities,
+    case: Case | Flat | Asperities | Surface,
     data: Data,
     free: Sequence[str],
     instrument: tuple[float | None, float, float, float, float, float],
@@ -238,7 +238,7 @@ class FittedCurves:
     def table(self) -> list[tuple[str, Any]]: ...
 
 def fit_curves(
-    case: Case | Flat | Asperities,
+    case: Case | Flat | Asperities | Surface,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],
@@ -247,7 +247,7 @@ def fit_curves(
     options: Options,
 ) -> FittedCurves: ...
 def fit_jointly(
-    case: Case | Flat | Asperities,
+    case: Case | Flat | Asperities | Surface,
     curves: Sequence[
         tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
     ],

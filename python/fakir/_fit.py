@@ -17,6 +17,7 @@ from ._quantity import FloatArray, Quantity, WithUnit, finite
 from ._result import Limit, Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._system import System
+from .bem import Surface
 from .errors import FitError, NotConverged
 
 if TYPE_CHECKING:
@@ -121,9 +122,11 @@ class Fit(Result):
         return self.parameters[name]
 
     @property
-    def system(self) -> System | FlatSystem | AsperityArray:
+    def system(self) -> System | FlatSystem | AsperityArray | Surface:
         """The system with the fitted values."""
         case = self._fitted.case
+        if isinstance(case, _fakir.Surface):
+            return Surface._of(case)
         if isinstance(case, _fakir.Asperities):
             return AsperityArray._of(case)
         return FlatSystem._of(case) if isinstance(case, _fakir.Flat) else System._of(case)
@@ -303,7 +306,7 @@ class Fit(Result):
 
 def fit(
     measurements: Measurements,
-    system: System | FlatSystem | AsperityArray,
+    system: System | FlatSystem | AsperityArray | Surface,
     free: Sequence[str],
     *,
     contact_point: Quantity | None = None,
@@ -342,10 +345,10 @@ def fit(
         are not recognised are not used: see `Fit.understood`. Objects of pandas, xarray (with units in ``attrs["units"]``) and
         afmformats (a whole curve, of which approach and retract are used) are accepted, and structured arrays of NumPy.
     system
-        All other quantities: pillars with flat or rounded tops of a case file, or a flat surface. Its values of the free parameters are the initial values.
+        All other quantities: pillars with flat or rounded tops of a case file, a `fakir.bem.Surface` of a case file, or a flat surface. Its values of the free parameters are the initial values.
     free
         Keys such as ``"substrate.young_modulus"``, ``"substrate.thickness"`` or ``"pattern.offset"``, of rounded tops
-        ``"pattern.top_radius"``; ``"adhesion.work"`` and ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
+        ``"pattern.top_radius"``, of a height map ``"surface.height_unit"``; ``"adhesion.work"`` and ``"adhesion.work_receding"`` with data of the unloading; ``"force_offset"``, ``"force_drift"``; and, with
         displacements, ``"contact_point"``, ``"machine_compliance"``, ``"displacement_drift"`` and ``"force_slope"``. With a
         relaxation and times ``"relaxation.strengths[0]"``, ``"relaxation.times[0]"`` and those of further terms, up to ``[3]``.
     contact_point
@@ -410,9 +413,11 @@ def fit(
 
 
 def case_of(
-    system: System | FlatSystem | AsperityArray,
-) -> _fakir.Case | _fakir.Flat | _fakir.Asperities:
+    system: System | FlatSystem | AsperityArray | Surface,
+) -> _fakir.Case | _fakir.Flat | _fakir.Asperities | _fakir.Surface:
     """The case of a system that can be fitted."""
+    if isinstance(system, Surface):
+        return system._surface
     if isinstance(system, AsperityArray):
         return system._asperities
     return system._flat if isinstance(system, FlatSystem) else system._case

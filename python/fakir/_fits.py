@@ -27,6 +27,7 @@ from ._quantity import Quantity
 from ._result import Result
 from ._run import options, warn, warn_of_interactions
 from ._system import System
+from .bem import Surface
 from .errors import FitError, NotConverged
 
 if TYPE_CHECKING:
@@ -271,7 +272,7 @@ class CurveOptions(TypedDict, total=False):
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray,
+    system: System | FlatSystem | AsperityArray | Surface,
     free: Sequence[str],
     *,
     joint: Literal[False] = False,
@@ -280,7 +281,7 @@ def fit_many(
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray,
+    system: System | FlatSystem | AsperityArray | Surface,
     free: Sequence[str],
     *,
     joint: Literal[True],
@@ -289,7 +290,7 @@ def fit_many(
 ) -> JointFit: ...
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray,
+    system: System | FlatSystem | AsperityArray | Surface,
     free: Sequence[str],
     *,
     joint: bool = False,

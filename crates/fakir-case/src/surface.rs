@@ -17,8 +17,9 @@ use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm, Point, Question,
-    RandomPlaces, ShapedLens, Solver, SurfaceSystem, Unsupported,
+    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm,
+    PillarCompliance, Point, Question, RandomPlaces, ShapedLens, Solver, SurfaceSystem,
+    Unsupported,
 };
 use std::path::{Path, PathBuf};
 
@@ -65,6 +66,15 @@ impl SurfaceCase {
             setting.map(|(_, value)| value.clone())
         })
     }
+}
+
+/// The elastic bodies of a case with a general surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceBodies {
+    /// Reduced modulus, Pa.
+    pub reduced_modulus: f64,
+    /// Whether pillars shorten as columns, so that the modulus of the substrate has an effect besides the reduced modulus.
+    pub has_columns: bool,
 }
 
 /// A general surface as a representative of similar ones.
@@ -184,6 +194,21 @@ impl CaseFile {
             system,
             origin,
             settings: self.settings(parts),
+        })
+    }
+
+    /// The elastic bodies of a case with a general surface, without generating or reading the surface.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a missing key or an invalid value.
+    pub fn surface_bodies(&self) -> Result<SurfaceBodies, CaseError> {
+        let (kind, parts) = self.surface_parts()?;
+        let bodies = [parts.lens.material, parts.substrate];
+        let compliances = bodies.map(|body| body.plane_strain_compliance());
+        Ok(SurfaceBodies {
+            reduced_modulus: compliances.iter().sum::<f64>().recip(),
+            has_columns: kind == Part::Pattern
+                && parts.outline.compliance.0 != PillarCompliance::None,
         })
     }
 

@@ -1067,7 +1067,7 @@ pub(crate) struct Fit {
     case: PathBuf,
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.top_radius,
-    /// pattern.pitch, pattern.offset, pattern.offset_angle, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
+    /// pattern.pitch, pattern.offset, pattern.offset_angle, surface.height_unit, surface.height_range, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
     /// force_offset, displacement_drift, force_drift, force_slope, and with a column of times relaxation.strengths[0],
     /// relaxation.times[0] up to [3]; with commas, or repeated
     #[arg(long, value_name = "KEY", required = true, value_delimiter = ',', value_parser = fitted)]

@@ -5,6 +5,7 @@ use crate::case::{Case, Described};
 use crate::error::{case_error, fit_error, value_error, warn_of_former_name};
 use crate::flat::Flat;
 use crate::study::{PyColumns, columns};
+use crate::surface::Surface;
 use crate::watched::{Options, watched, watched_parts};
 use fakir::state::Branch;
 use fakir_case::CaseFile;
@@ -210,14 +211,17 @@ pub(crate) enum Fittable<'py> {
     Pillars(PyRef<'py, Case>),
     Flat(PyRef<'py, Flat>),
     Asperities(PyRef<'py, Asperities>),
+    Surface(PyRef<'py, Surface>),
 }
 
 impl Fittable<'_> {
-    fn file(&self) -> PyResult<CaseFile> {
+    /// Its case file; that of a height map is required to fit these quantities.
+    pub(crate) fn file(&self, fitted: &str) -> PyResult<CaseFile> {
         match self {
             Self::Pillars(case) => case.file(),
             Self::Flat(flat) => Ok(flat.file.clone()),
             Self::Asperities(asperities) => asperities.file(),
+            Self::Surface(surface) => surface.of_file(fitted),
         }
     }
 }
@@ -294,7 +298,7 @@ pub(crate) fn fit(
 ) -> PyResult<Fitted> {
     let free = parameters(py, &free)?;
     let known = fit_options(instrument, starts);
-    let file = case.file()?;
+    let file = case.file("parameters")?;
     let measurements = &data.measurements;
     let start = Instant::now();
     let fit = watched(py, &options, |run| {
@@ -379,7 +383,7 @@ pub(crate) fn fit_curves(
     options: Options,
 ) -> PyResult<FittedCurves> {
     let free = parameters(py, &free)?;
-    let file = case.file()?;
+    let file = case.file("parameters")?;
     let curves = given_curves(curves, starts);
     let start = Instant::now();
     let total = curves.len();
@@ -413,7 +417,7 @@ pub(crate) fn fit_jointly(
         None => shared_by_default(&free),
         Some(names) => parameters(py, &names)?,
     };
-    let file = case.file()?;
+    let file = case.file("parameters")?;
     let curves = given_curves(curves, starts);
     let start = Instant::now();
     let total = curves.len();

@@ -1,16 +1,12 @@
 //! Fits of shear stresses to lateral forces.
 
-use crate::asperities::Asperities;
-use crate::case::{Case, Described};
-use crate::error::{case_error, fit_error, solve_error, value_error};
-use crate::fit::hints;
-use crate::flat::Flat;
+use crate::case::Described;
+use crate::error::{case_error, fit_error, solve_error};
+use crate::fit::{Fittable, hints};
 use crate::study::{PyColumns, columns};
-use crate::surface::Surface;
 use crate::watched::{Options, watched};
 use fakir::problem::Question;
 use fakir::state::SolveError;
-use fakir_case::CaseFile;
 use fakir_inverse::fit::friction::{FrictionError, FrictionFit, LateralForces};
 use fakir_study::answer::{AnswerError, Running};
 use fakir_study::result::json;
@@ -18,30 +14,6 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// A case of any kind of surface.
-#[derive(FromPyObject)]
-pub(crate) enum AnyKind<'py> {
-    Pillars(PyRef<'py, Case>),
-    Flat(PyRef<'py, Flat>),
-    Asperities(PyRef<'py, Asperities>),
-    Surface(PyRef<'py, Surface>),
-}
-
-impl AnyKind<'_> {
-    fn file(&self) -> PyResult<CaseFile> {
-        match self {
-            Self::Pillars(case) => case.file(),
-            Self::Flat(flat) => Ok(flat.file.clone()),
-            Self::Asperities(asperities) => asperities.file(),
-            Self::Surface(surface) => surface.file().cloned().ok_or_else(|| {
-                value_error(
-                    "shear stresses are fitted for a height map of a case file: save the heights as a file, and read the case with fakir.read_case",
-                )
-            }),
-        }
-    }
-}
 
 /// Measured lateral forces.
 #[pyclass(frozen, module = "fakir._fakir")]
@@ -134,11 +106,11 @@ impl FittedFriction {
 #[pyfunction]
 pub(crate) fn fit_friction(
     py: Python<'_>,
-    case: AnyKind<'_>,
+    case: Fittable<'_>,
     data: &LateralData,
     options: Options,
 ) -> PyResult<FittedFriction> {
-    let file = case.file()?;
+    let file = case.file("shear stresses")?;
     let data = &data.data;
     let start = Instant::now();
     let fit = watched(py, &options, |run| {
@@ -155,7 +127,7 @@ pub(crate) fn fit_friction(
 
 /// Warnings that the keys of interactions have no effect on the answer of `"verify"`, `"compare"`, `"design"` or `"fit"`.
 #[pyfunction]
-pub(crate) fn without_interactions(case: AnyKind<'_>, question: &str) -> Vec<String> {
+pub(crate) fn without_interactions(case: Fittable<'_>, question: &str) -> Vec<String> {
     let questions = [
         Question::Verify,
         Question::Compare,
@@ -165,7 +137,7 @@ pub(crate) fn without_interactions(case: AnyKind<'_>, question: &str) -> Vec<Str
     let mut questions = questions.into_iter();
     let asked = questions.find(|known| known.name() == question);
     // Height maps that are not from a file have no answer to these questions.
-    match (asked, case.file()) {
+    match (asked, case.file("parameters")) {
         (Some(asked), Ok(file)) => file.without_interactions(asked),
         _ => Vec::new(),
     }

@@ -375,6 +375,15 @@ impl Surface {
         self.file.as_ref()
     }
 
+    /// The case file it was read from, which is required to fit these quantities.
+    pub(crate) fn of_file(&self, fitted: &str) -> PyResult<CaseFile> {
+        self.file.clone().ok_or_else(|| {
+            value_error(format!(
+                "{fitted} are fitted for a height map of a case file: save the heights as a file, and read the case with fakir.read_case"
+            ))
+        })
+    }
+
     pub(crate) fn of(
         mut file: CaseFile,
         overrides: &[String],

@@ -297,7 +297,7 @@ impl Loadable for SurfaceSystem {
     }
 
     fn first_touch(&self) -> f64 {
-        0.0
+        SurfaceSystem::first_touch(self)
     }
 
     // Contacts change by whole cells, and take seconds.

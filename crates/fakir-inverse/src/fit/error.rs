@@ -34,9 +34,9 @@ pub enum FitError {
     /// A parameter that only surfaces with pillars have.
     #[error("{} cannot be fitted: the case has no [pattern], and a flat surface has no such key", .0.name())]
     NotOnFlat(Parameter),
-    /// Contact radii on rounded tops.
+    /// Contact radii on rounded tops or height maps.
     #[error(
-        "{0} has contact radii, which on rounded tops jump from one top to the next and do not determine a parameter: give \
+        "{0} has contact radii, which on rounded tops and height maps jump from one top to the next and do not determine a parameter: give \
          forces and displacements"
     )]
     RadiusOfTops(String),
@@ -192,6 +192,14 @@ fn are(count: usize) -> &'static str {
 }
 
 impl FitError {
+    /// Sufficient width (m) of the grid of a height map, if the contact extends beyond it.
+    pub(super) fn needed_width(&self) -> Option<f64> {
+        match self {
+            Self::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            _ => None,
+        }
+    }
+
     /// The error, without the name of its curve.
     #[must_use]
     pub fn cause(&self) -> &Self {

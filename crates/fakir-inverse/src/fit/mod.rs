@@ -106,9 +106,9 @@ pub use subject::{FittedCycle, method_name};
 use descent::{Descent, INTERPOLATED, NO_GAIN, PATIENCE};
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::Question;
-use fakir::state::{Branch, Limit, Run, Termination};
-use fakir_case::{CaseFile, Key};
+use fakir::problem::{Question, Solver};
+use fakir::state::{Branch, Limit, Run, SolveError, Termination};
+use fakir_case::{CaseFile, Key, SurfaceKind};
 use least_squares::Linear;
 use misfit::Score;
 use model::{Derivatives, Model, RangeEnd, State};
@@ -310,7 +310,7 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// Whether the rows are the history of viscoelastic bodies.
     pub is_viscoelastic: bool,
-    /// Whether the data have contact radii that were left out: on rounded tops, where they jump.
+    /// Whether the data have contact radii that were left out: on rounded tops and height maps, where they jump.
     pub radii_left_out: bool,
     /// The case with the fitted values.
     pub file: CaseFile,
@@ -398,7 +398,7 @@ fn fit_with(
 ) -> Result<Fit, FitError> {
     file.check_surface(&[Question::Fit])?;
     // Those of the program's own tables, and of instruments that measure both.
-    let leaves_radii = file.is_rounded() && data.position() != Position::None && data.has_radii();
+    let leaves_radii = radii_jump(file) && data.position() != Position::None && data.has_radii();
     let data = &match leaves_radii {
         true => Cow::Owned(data.without_radii()),
         false => Cow::Borrowed(data),
@@ -487,6 +487,14 @@ impl<'a> Model<'a> {
     }
 }
 
+/// Whether contact radii jump from one top to the next by more than a pitch accounts for.
+fn radii_jump(file: &CaseFile) -> bool {
+    matches!(
+        file.surface_kind(),
+        SurfaceKind::Asperities | SurfaceKind::HeightMap
+    )
+}
+
 fn check(
     file: &CaseFile,
     data: &Measurements,
@@ -495,7 +503,7 @@ fn check(
 ) -> Result<(), FitError> {
     data.check_errors()?;
     data.check_branches()?;
-    if file.is_rounded() && data.has_radii() {
+    if radii_jump(file) && data.has_radii() {
         return Err(FitError::RadiusOfTops(data.name().to_owned()));
     }
     if free.is_empty() {
@@ -513,6 +521,11 @@ fn check(
             && !key.is_on_flat()
         {
             return Err(FitError::NotOnFlat(*parameter));
+        }
+        if parameter.is_work() && file.is_surface() {
+            Question::Cycle
+                .check(Solver::HeightMap, &[])
+                .map_err(SolveError::from)?;
         }
         if parameter.is_of_displacement() && data.position() != Position::Displacement {
             return Err(FitError::NoDisplacement {
@@ -1184,7 +1197,7 @@ impl<'a> Search<'a> {
             Parameter::Key(Key::Offset | Key::OffsetAngle) => false,
             Parameter::Key(_) if parameter.is_work() => self.model.is_adhesive && has_unloading,
             // Another elastic curve would be needed for every size.
-            Parameter::Key(key) if self.model.is_viscoelastic => {
+            Parameter::Key(key) if self.model.is_viscoelastic || self.model.is_map() => {
                 matches!(key, Key::SubstrateYoungModulus | Key::LensYoungModulus)
             }
             _ if parameter.is_of_relaxation() => self.model.is_viscoelastic,
@@ -1699,6 +1712,9 @@ impl<'a> Search<'a> {
         if self.model.is_viscoelastic || self.model.uses_curve() {
             let settings = self.model.settings(&self.unknowns)?;
             let error = self.model.error_over_time(&settings)?;
+            if error.is_nan() {
+                return Ok(None);
+            }
             let forces = self.states.iter().map(|state| state.force);
             let largest = forces.fold(0.0, larger);
             return Ok(Some(vec![[error * largest, 0.0]; self.states.len()]));

@@ -34,6 +34,9 @@ const DIFFERENCE: f64 = 1e-2;
 /// The same for a work of adhesion, which is larger because pillars detach in groups.
 const DIFFERENCE_OF_WORK: f64 = 5e-2;
 
+/// The same for a size on a height map: two solved curves differ by their errors, a few thousandths, too.
+const DIFFERENCE_ON_CELLS: f64 = 1e-1;
+
 /// Fraction of these steps below which a step is too short for a difference.
 const SHORTEST: f64 = 0.1;
 
@@ -175,11 +178,11 @@ impl Settings {
     /// The case with pillars.
     ///
     /// # Errors
-    /// A flat surface and rounded tops have none; their states are not interpolated between rows.
+    /// Other surfaces have none; their states are not interpolated between rows.
     pub(super) fn pillars(&self) -> Result<&Case, FitError> {
         match &self.case {
             Subject::Pillars(case) => Ok(case),
-            Subject::Asperities(_) | Subject::Flat(_) => Err(FitError::NoDerivatives),
+            _ => Err(FitError::NoDerivatives),
         }
     }
 
@@ -230,6 +233,8 @@ pub(super) struct Model<'a> {
     scales: Vec<Scale>,
     pub(super) single: Run<'a>,
     pub(super) pool: Option<&'a rayon::ThreadPool>,
+    /// Computes loading curves of height maps, with all threads and progress.
+    whole: Run<'a>,
     pub(super) wants_radius: bool,
     /// Whether pillar tops are adhesive: then all rows belong to one cycle of loading and
     /// unloading.
@@ -309,6 +314,7 @@ impl<'a> Model<'a> {
                 ..run.clone()
             },
             pool: run.pool,
+            whole: run.clone(),
             wants_radius,
             is_adhesive,
             stretches: stretches(data, &orders),
@@ -348,6 +354,7 @@ impl<'a> Model<'a> {
             scales: Vec::new(),
             single: self.single.clone(),
             pool: self.pool,
+            whole: self.whole.clone(),
             wants_radius: self.wants_radius,
             is_adhesive: self.is_adhesive,
             is_viscoelastic: self.is_viscoelastic,
@@ -417,9 +424,14 @@ impl<'a> Model<'a> {
         matches!(self.start.case, Subject::Asperities(_))
     }
 
+    /// Whether the surface is a height map.
+    pub(super) fn is_map(&self) -> bool {
+        matches!(self.start.case, Subject::HeightMap(_))
+    }
+
     /// Whether all states are on one elastic curve.
     pub(super) fn uses_curve(&self) -> bool {
-        self.is_rounded() && !self.is_adhesive && !self.is_viscoelastic
+        (self.is_rounded() || self.is_map()) && !self.is_adhesive && !self.is_viscoelastic
     }
 
     /// Whether a key has a value in the case.
@@ -586,7 +598,14 @@ impl<'a> Model<'a> {
             .min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         match nearest {
             Some((position, force)) => {
-                let state = self.solve(&self.start.case, Load::Force(force))?;
+                let state = if self.is_map() {
+                    // Up to the largest force, so that the curve need not be extended.
+                    let largest = self.largest_force() - offset;
+                    self.curve(&self.start.case, Reach::Force(larger(force, largest)))?;
+                    self.state_of_map(&self.start, MeasuredBy::Force, force)?
+                } else {
+                    self.solve(&self.start.case, Load::Force(force))?
+                };
                 Ok(position - self.start.machine_compliance * force - state.indentation)
             }
             None => {
@@ -874,10 +893,16 @@ impl<'a> Model<'a> {
                 Reach::Indentation(largest + larger(-compliance, 0.0) * self.largest_force())
             }
         };
-        let of = self
-            .curves
-            .of(&settings.case, reach, &self.single, &self.solved)?;
-        Ok(Some(of))
+        Ok(Some(self.curve(&settings.case, reach)?))
+    }
+
+    fn curve(&self, case: &Subject, reach: Reach) -> Result<CaseCurve, FitError> {
+        let run = if self.is_map() {
+            &self.whole
+        } else {
+            &self.single
+        };
+        self.curves.of(case, reach, run, &self.solved)
     }
 
     /// The states of viscoelastic bodies: those of the whole history of the measured loads.
@@ -943,51 +968,51 @@ impl<'a> Model<'a> {
 
     /// The elastic states on one curve, also on unloading. Contacts that merge within the measured loads are an error.
     fn states_on_curve(&self, settings: &Settings) -> Result<Vec<State>, FitError> {
-        /// Relative step of the depth for slopes.
-        const STEP: f64 = 1e-3;
         let measured = self.history(settings);
         let Some(curve) = self.curve_over_time(settings, &measured)? else {
             let without = |load: &MeasuredLoad| State::without_contact(load.load);
             return Ok(measured.loads.iter().map(without).collect());
         };
-        let elastic = &curve.elastic;
-        let compliance = settings.compliance(self.data.position());
+        let rows = self.data.rows().iter().zip(&self.moments);
         let state = |((row, moment), load): ((&Measurement, &f64), &MeasuredLoad)| {
-            let load = load.load;
-            let indentation = match measured.by {
-                MeasuredBy::Force => elastic.indentation_at(load),
-                MeasuredBy::Position { .. } => {
-                    balanced(elastic, compliance, load).ok_or(FitError::NoBalance {
-                        compliance,
-                        reading: load,
-                    })?
-                }
-            };
-            let depth = indentation - elastic.first_touch();
-            let force = elastic.force_at(indentation);
-            let [below, above] =
-                [-STEP, STEP].map(|step| elastic.force_at(indentation + step * depth));
-            let stiffness = if depth > 0.0 {
-                (above - below) / (2.0 * STEP * depth)
-            } else {
-                0.0
-            };
+            let state = state_on(&curve, measured.by, load.load)?;
             Ok(State {
-                force,
-                read_force: force + settings.base_line(*moment, self.travel(row)),
-                slopes: [stiffness / (1.0 + compliance * stiffness), 0.0],
-                converged: curve.converged,
-                ..State::without_contact(indentation)
+                read_force: state.force + settings.base_line(*moment, self.travel(row)),
+                ..state
             })
         };
-        let rows = self.data.rows().iter().zip(&self.moments);
         rows.zip(&measured.loads).map(state).collect()
     }
 
-    /// Estimated relative error of the forces of viscoelastic bodies and on rounded tops, due to the interpolation of the elastic curve and to its contacts.
+    /// State of a height map under a load without the contributions of the instrument: on its curve, since a contact takes seconds.
+    fn state_of_map(
+        &self,
+        settings: &Settings,
+        by: MeasuredBy,
+        load: f64,
+    ) -> Result<State, FitError> {
+        let reach = match by {
+            MeasuredBy::Force => Reach::Force(larger(load, 0.0)),
+            MeasuredBy::Position { compliance } => {
+                Reach::Indentation(load + larger(-compliance, 0.0) * self.largest_force())
+            }
+        };
+        state_on(&self.curve(&settings.case, reach)?, by, load)
+    }
+
+    /// Estimated relative error of the forces of viscoelastic bodies, on rounded tops and on height maps, due to the interpolation of the elastic curve and to
+    /// its contacts; NaN if that of a height map is unknown.
     pub(super) fn error_over_time(&self, settings: &Settings) -> Result<f64, FitError> {
         let curve = self.curve_over_time(settings, &self.history(settings))?;
-        Ok(curve.map_or(0.0, |curve| curve.elastic.error()))
+        Ok(curve.map_or(0.0, |curve| {
+            // Of rounded tops without an estimate, that of the interpolation is given.
+            let is_known = curve.has_errors || !self.is_map();
+            if is_known {
+                curve.elastic.error()
+            } else {
+                f64::NAN
+            }
+        }))
     }
 
     /// Whether the model has no state for any row, and the first reason.
@@ -1253,6 +1278,9 @@ impl<'a> Model<'a> {
         moment: f64,
     ) -> Result<State, FitError> {
         let force = settings.load(Position::None, reading, moment);
+        if self.is_map() {
+            return self.state_of_map(settings, MeasuredBy::Force, force);
+        }
         Ok(self.solve(&settings.case, Load::Force(force.max(0.0)))?)
     }
 
@@ -1268,6 +1296,9 @@ impl<'a> Model<'a> {
         let position = self.data.position();
         let target = settings.load(position, reading, moment);
         let compliance = settings.compliance(self.data.position());
+        if self.is_map() {
+            return self.state_of_map(settings, MeasuredBy::Position { compliance }, target);
+        }
         let solve = |zeta: f64| self.solve(&settings.case, Load::Indentation(zeta));
         let touch = settings.case.first_touch();
         let depth = target - touch;
@@ -1341,6 +1372,8 @@ impl<'a> Model<'a> {
                     ..State::without_contact(contact.indentation)
                 })
             }
+            // Its states are on its curve.
+            Subject::HeightMap(_) => Ok(State::without_contact(f64::NAN)),
             Subject::Flat(case) => {
                 self.solved.fetch_add(1, Ordering::Relaxed);
                 let contact = case.system.press(load, &self.single)?;
@@ -1577,6 +1610,7 @@ impl<'a> Model<'a> {
         let side = |(number, sign): (usize, f64)| {
             let step = match self.scales[number] {
                 Scale::FromZero(_) => DIFFERENCE_OF_WORK,
+                _ if self.is_map() && self.free[number].is_size() => DIFFERENCE_ON_CELLS,
                 _ => DIFFERENCE,
             };
             let mut moved = unknowns.to_vec();
@@ -1672,6 +1706,45 @@ impl<'a> Model<'a> {
             Err(_) => Ok(None),
         }
     }
+}
+
+/// State on an elastic curve under a load without the contributions of the instrument.
+fn state_on(curve: &CaseCurve, by: MeasuredBy, load: f64) -> Result<State, FitError> {
+    /// Relative step of the depth for slopes.
+    const STEP: f64 = 1e-3;
+    let elastic = &curve.elastic;
+    let compliance = match by {
+        MeasuredBy::Force => 0.0,
+        MeasuredBy::Position { compliance } => compliance,
+    };
+    let indentation = match by {
+        MeasuredBy::Force => elastic.indentation_at(load),
+        MeasuredBy::Position { .. } => {
+            balanced(elastic, compliance, load).ok_or(FitError::NoBalance {
+                compliance,
+                reading: load,
+            })?
+        }
+    };
+    let depth = indentation - elastic.first_touch();
+    let force = elastic.force_at(indentation);
+    let [below, above] = [-STEP, STEP].map(|step| elastic.force_at(indentation + step * depth));
+    let stiffness = if depth > 0.0 {
+        (above - below) / (2.0 * STEP * depth)
+    } else {
+        0.0
+    };
+    let radius = elastic.contact_radius_at(indentation).unwrap_or(0.0);
+    Ok(State {
+        force,
+        read_force: force,
+        slopes: [stiffness / (1.0 + compliance * stiffness), 0.0],
+        contact_radius: radius,
+        smooth_radius: radius,
+        past_transition: curve.through_floor.is_some_and(|floor| indentation > floor),
+        converged: curve.converged,
+        ..State::without_contact(indentation)
+    })
 }
 
 /// The indentation at which it and the machine take a position together, `zeta + C F(zeta) = position`; `None` if there is none.
@@ -1841,7 +1914,14 @@ mod tests {
         let data = Measurements::new(&columns).unwrap();
         let mut free = Parameter::ALL.to_vec();
         free.retain(|free| !free.is_work() && !free.is_of_relaxation());
-        let others = [Key::Offset, Key::OffsetAngle, Key::TopRadius].map(Parameter::Key);
+        let others = [
+            Key::Offset,
+            Key::OffsetAngle,
+            Key::TopRadius,
+            Key::HeightUnit,
+            Key::HeightRange,
+        ];
+        let others = others.map(Parameter::Key);
         free.retain(|free| !others.contains(free));
         let options = FitOptions {
             contact_point: Some(0.1e-6),

@@ -1,16 +1,18 @@
-//! Elastic loading curves for fits of viscoelastic bodies, and of rounded tops.
+//! Elastic loading curves for fits of viscoelastic bodies, of rounded tops and of height maps.
 //!
-//! The contact of viscoelastic bodies at any history follows from the elastic loading curve, as the elastic contact with rounded tops does. If all moduli are multiplied by a factor, so are the
+//! The contact of viscoelastic bodies at any history follows from the elastic loading curve, as the elastic contact with rounded tops and with height maps does. If all moduli are multiplied by a factor, so are the
 //! forces at given indentations. Therefore one curve, in units of the reduced modulus, is used for all moduli, strengths and relaxation times of a
 //! fit; another is computed where a size changes, or the ratio of moduli.
 
 use super::error::FitError;
 use super::subject::Subject;
+use fakir::numerics::convergence::larger;
 use fakir::problem::Load;
 use fakir::solve::elastic_curve::ElasticCurve;
 use fakir::state::{Contact, ElasticSample, Run, Solution, SolveError};
 use fakir_case::Key;
 use fakir_study::approach::Loadable;
+use fakir_study::surfaces::on_wide_enough_a_grid;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -41,6 +43,8 @@ pub(super) struct CaseCurve {
     pub(super) through_floor: Option<f64>,
     /// Whether all contacts are solved.
     pub(super) converged: bool,
+    /// Whether their errors are estimated.
+    pub(super) has_errors: bool,
 }
 
 /// A curve with everything but the modulus on which it depends.
@@ -58,7 +62,7 @@ pub(super) struct Curves {
 }
 
 /// Sizes on which a contact depends, of the keys that can be fitted.
-const SIZES: [Key; 9] = [
+const SIZES: [Key; 11] = [
     Key::LensRadius,
     Key::TopRadius,
     Key::SubstrateThickness,
@@ -68,6 +72,8 @@ const SIZES: [Key; 9] = [
     Key::Pitch,
     Key::Offset,
     Key::OffsetAngle,
+    Key::HeightUnit,
+    Key::HeightRange,
 ];
 
 /// Moduli whose ratio to the reduced modulus matters: that of the columns and the layer below them, and those of a layer of the lens and of bases.
@@ -142,6 +148,13 @@ impl Curves {
                     Subject::Asperities(tops) => {
                         sampled(&tops.case, reach, run, solved, |_| f64::INFINITY)
                     }
+                    Subject::HeightMap(map) => on_wide_enough_a_grid(
+                        &map.file,
+                        run.memory_limit(),
+                        FitError::needed_width,
+                        |case| sampled(&case.system, reach, run, solved, |_| f64::INFINITY),
+                    )
+                    .map(|answered| answered.answer),
                     Subject::Flat(case) => sampled(&**case, reach, run, solved, |_| f64::INFINITY),
                 }?;
                 let entry = Arc::new(Entry {
@@ -184,17 +197,23 @@ fn sampled<P: Loadable>(
         Reach::Force(force) => press(Load::Force(force))?.indentation(),
     };
     // Beyond it the lens may end, or the model.
-    let far = first + MARGIN * (needed - first);
-    let last = match press(Load::Indentation(far)) {
-        Ok(_) => far,
+    let far = first + MARGIN * larger(needed - first, 0.0);
+    let farthest = (far > first).then(|| press(Load::Indentation(far)));
+    let (last, mut farthest) = match farthest.transpose() {
+        Ok(contact) => (far, contact),
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
-        Err(_) => needed,
+        Err(_) => (needed, None),
     };
-    let mut converged = true;
+    let (mut converged, mut has_errors) = (true, true);
     let mut gaps: Vec<[f64; 2]> = Vec::new();
     let mut sample = |indentation: f64| -> Result<ElasticSample, SolveError> {
-        let contact = press(Load::Indentation(indentation))?;
+        let known = farthest.take_if(|contact| contact.indentation() >= indentation);
+        let contact = match known {
+            Some(contact) => contact,
+            None => press(Load::Indentation(indentation))?,
+        };
         converged &= contact.converged();
+        has_errors &= !contact.force_error().is_nan();
         gaps.push([indentation, gap(&contact)]);
         Ok(contact.elastic_sample())
     };
@@ -210,5 +229,6 @@ fn sampled<P: Loadable>(
         elastic,
         through_floor: through_floor.filter(|it| it.is_finite()),
         converged,
+        has_errors,
     })
 }

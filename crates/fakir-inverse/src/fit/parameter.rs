@@ -42,7 +42,7 @@ const TIMES: [&str; 4] = [
 
 impl Parameter {
     /// All parameters that can be fitted.
-    pub const ALL: [Self; 27] = [
+    pub const ALL: [Self; 29] = [
         Self::Key(Key::SubstrateYoungModulus),
         Self::Key(Key::LensYoungModulus),
         Self::Key(Key::LensRadius),
@@ -54,6 +54,8 @@ impl Parameter {
         Self::Key(Key::Pitch),
         Self::Key(Key::Offset),
         Self::Key(Key::OffsetAngle),
+        Self::Key(Key::HeightUnit),
+        Self::Key(Key::HeightRange),
         Self::Key(Key::WorkOfAdhesion),
         Self::Key(Key::RecedingWorkOfAdhesion),
         Self::ContactPoint,
@@ -221,10 +223,16 @@ impl Parameter {
         )
     }
 
+    /// Whether it is a size of the case, on which the shape of a loading curve depends.
+    pub(super) fn is_size(self) -> bool {
+        matches!(self, Self::Key(key) if key.dimension() == Dimension::Length)
+    }
+
     /// Whether its logarithm is fitted: for sizes, moduli and, unless they are near zero, works of adhesion.
     pub(super) fn is_positive(self) -> bool {
         match self {
-            Self::Key(key) => key.is_positive() || self.is_work(),
+            // A negative unit of heights, of a map that is upside down, stays negative.
+            Self::Key(key) => key.is_positive() || self.is_work() || key == Key::HeightUnit,
             _ => self.is_of_relaxation(),
         }
     }

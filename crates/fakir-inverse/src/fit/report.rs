@@ -1,11 +1,13 @@
 //! A fit as a JSON object, as a table and as warnings, for command line and Python package.
 
+use super::subject::MAP;
 use super::{
     Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit,
     Parameter, Position, Quantity, RateTest, ReadColumn, RunsTest, Scatter, Skipped,
 };
+use fakir::numerics::convergence::larger;
 use fakir::state::Termination;
-use fakir_case::unit::format_quantity;
+use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::record::LimitObject;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
@@ -38,6 +40,37 @@ impl Fit {
     #[must_use]
     pub fn misfit_statement(&self) -> Option<String> {
         self.misfit.statement(value_words)
+    }
+
+    /// Warning if the error of the computed curve of a height map is larger than the standard error of a modulus, which does not contain it, or unknown.
+    fn error_of_cells(&self) -> Option<String> {
+        if self.method != MAP {
+            return None;
+        }
+        let force = self
+            .scatter
+            .iter()
+            .find(|it| it.quantity == Quantity::Force)?;
+        let forces = self.rows.iter().filter_map(|row| row.force);
+        let largest = forces.fold(0.0, |largest, force| larger(largest, force.computed.abs()));
+        let Some(error) = force.interpolation_error else {
+            return Some(
+                "the error of the computed forces is not estimated: the height map has too few cells for a comparison with larger ones"
+                    .to_owned(),
+            );
+        };
+        let relative = error / largest;
+        let is_modulus = |it: &&Estimate| it.parameter.dimension() == Some(Dimension::Pressure);
+        let modulus = self.estimates.iter().find(is_modulus)?;
+        let of_noise = modulus.standard_error? / modulus.value;
+        (relative > of_noise).then(|| {
+            format!(
+                "the cells of the height map cause an estimated error of {:.1e} of the computed forces, more than the standard error of {}, \
+                 {of_noise:.1e} of its value, which does not contain it: use smaller cells",
+                relative,
+                modulus.parameter.name(),
+            )
+        })
     }
 
     /// Warnings about the result: parameters that are not determined, rows left out, and failed
@@ -87,7 +120,7 @@ impl Fit {
         );
         if self.radii_left_out {
             warnings.push(
-                "contact radii are left out: on rounded tops they jump from one top to the next"
+                "contact radii are left out: on rounded tops and height maps they jump from one top to the next"
                     .to_owned(),
             );
         }
@@ -107,6 +140,7 @@ impl Fit {
                 unsolved.len()
             )),
         }
+        warnings.extend(self.error_of_cells());
         if self.termination != Termination::Converged {
             warnings.push(format!("the fit {}", self.termination.description()));
         }

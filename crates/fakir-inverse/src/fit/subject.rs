@@ -1,26 +1,38 @@
-//! What a fit presses a lens on: pillars with flat or rounded tops, or a flat surface.
+//! What a fit presses a lens on: pillars with flat or rounded tops, a height map, or a flat surface.
 
 use super::error::FitError;
 use super::parameter::Parameter;
-use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load};
+use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load, Question, Solver};
 use fakir::state::{AsperityCycle, Cycle, FlatCycle, Limit, Run, SolveError};
-use fakir_case::{AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting};
+use fakir_case::{AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting, SurfaceBodies};
 use fakir_study::approach::Loadable;
 use fakir_study::result::{asperity_cycle_warnings, cycle_warnings};
 
+/// Name of the method on height maps.
+pub(super) const MAP: &str = "boundary elements";
+
 /// A case that can be fitted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) enum Subject {
     Pillars(Box<Case>),
     Asperities(Box<Tops>),
+    HeightMap(Box<Map>),
     Flat(Box<FlatCase>),
 }
 
 /// Pillars with rounded tops.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Tops {
     pub(super) case: AsperityCase,
     /// Numbers of the keys that are given, in SI units.
+    numbers: Vec<(Key, f64)>,
+}
+
+/// A height map, which is read or generated only for its loading curve.
+#[derive(Debug, Clone)]
+pub(super) struct Map {
+    pub(super) file: CaseFile,
+    bodies: SurfaceBodies,
     numbers: Vec<(Key, f64)>,
 }
 
@@ -28,6 +40,12 @@ impl Subject {
     pub(super) fn of(file: &CaseFile) -> Result<Self, CaseError> {
         Ok(if file.is_flat() {
             Self::Flat(Box::new(file.flat_case()?))
+        } else if file.is_surface() {
+            Self::HeightMap(Box::new(Map {
+                bodies: file.surface_bodies()?,
+                numbers: numbers(file)?,
+                file: file.clone(),
+            }))
         } else if file.is_rounded() {
             Self::Asperities(Box::new(Tops {
                 case: file.asperity_case()?,
@@ -43,6 +61,7 @@ impl Subject {
         match self {
             Self::Pillars(case) => case.system.reduced_modulus(),
             Self::Asperities(tops) => tops.case.field.reduced_modulus(),
+            Self::HeightMap(map) => map.bodies.reduced_modulus,
             Self::Flat(case) => case.system.reduced_modulus(),
         }
     }
@@ -60,15 +79,17 @@ impl Subject {
                 let mut asperities = tops.case.field.asperities().iter();
                 asperities.any(|asperity| asperity.column_compliance > 0.0)
             }
+            Self::HeightMap(map) => map.bodies.has_columns,
             Self::Flat(_) => false,
         }
     }
 
-    /// Indentation below which nothing is touched, m.
+    /// Indentation below which nothing is touched, m; of a height map only its loading curve contains it.
     pub(super) fn first_touch(&self) -> f64 {
         match self {
             Self::Pillars(_) | Self::Flat(_) => 0.0,
             Self::Asperities(tops) => tops.case.field.first_touch(),
+            Self::HeightMap(_) => f64::NEG_INFINITY,
         }
     }
 
@@ -77,6 +98,7 @@ impl Subject {
         match self {
             Self::Pillars(case) => case.check_history(),
             Self::Asperities(tops) => tops.case.check_history(),
+            Self::HeightMap(_) => Ok(()),
             Self::Flat(case) => case.check_history(),
         }
     }
@@ -86,6 +108,7 @@ impl Subject {
         match self {
             Self::Pillars(case) => case.method.name(),
             Self::Asperities(_) => "rounded tops",
+            Self::HeightMap(_) => MAP,
             Self::Flat(_) => "flat",
         }
     }
@@ -94,7 +117,7 @@ impl Subject {
     pub(super) fn has(&self, key: Key) -> bool {
         match self {
             Self::Pillars(case) => case.setting(key).is_some(),
-            Self::Asperities(_) => self.number(key).is_some(),
+            Self::Asperities(_) | Self::HeightMap(_) => self.number(key).is_some(),
             Self::Flat(case) => case.setting(key).is_some(),
         }
     }
@@ -103,12 +126,8 @@ impl Subject {
     pub(super) fn number(&self, key: Key) -> Option<f64> {
         match self {
             Self::Pillars(case) => case.number(key),
-            Self::Asperities(tops) => {
-                let mut numbers = tops.numbers.iter();
-                numbers
-                    .find(|(given, _)| *given == key)
-                    .map(|(_, value)| *value)
-            }
+            Self::Asperities(tops) => among(&tops.numbers, key),
+            Self::HeightMap(map) => among(&map.numbers, key),
             Self::Flat(case) => match case.setting(key) {
                 Some(Setting::Number(value)) => Some(value).filter(|value| value.is_finite()),
                 _ => None,
@@ -120,16 +139,18 @@ impl Subject {
         match self {
             Self::Pillars(case) => case.system.adhesion(),
             Self::Asperities(tops) => tops.case.field.adhesion(),
+            Self::HeightMap(_) => Adhesion::NONE,
             Self::Flat(case) => case.system.adhesion(),
         }
     }
 
-    /// Half the distance of neighbouring pillars, m; 0 on a flat surface, where the contact radius has no jumps.
+    /// Half the distance of neighbouring pillars, m; 0 on a flat surface, where the contact radius has no jumps, and on height maps, where it
+    /// is not compared.
     pub(super) fn half_pitch(&self) -> f64 {
         match self {
             Self::Pillars(case) => 0.5 * case.system.pitch(),
             Self::Asperities(tops) => 0.5 * tops.case.spacing(),
-            Self::Flat(_) => 0.0,
+            Self::HeightMap(_) | Self::Flat(_) => 0.0,
         }
     }
 
@@ -138,7 +159,9 @@ impl Subject {
         match self {
             Self::Pillars(case) => 0.5 * case.system.pillar().diameter,
             Self::Asperities(_) => 1e-3 * self.number(Key::TopRadius).unwrap_or(1e-3),
-            Self::Flat(_) => 1e-3 * self.number(Key::LensRadius).unwrap_or(1e-3),
+            Self::HeightMap(_) | Self::Flat(_) => {
+                1e-3 * self.number(Key::LensRadius).unwrap_or(1e-3)
+            }
         }
     }
 
@@ -146,7 +169,7 @@ impl Subject {
     pub(super) fn gap_before_contact(&self, indentation: f64) -> Option<f64> {
         match self {
             Self::Pillars(case) => Some(case.system.pillar().height - indentation),
-            Self::Asperities(_) | Self::Flat(_) => None,
+            Self::Asperities(_) | Self::HeightMap(_) | Self::Flat(_) => None,
         }
     }
 
@@ -160,6 +183,8 @@ impl Subject {
                 } = &tops.case;
                 field.press(load, *accuracy, run)?.limits(field, None)
             }
+            // Their validity is reported as warnings.
+            Self::HeightMap(_) => Vec::new(),
             Self::Flat(case) => case.system.press(load, run)?.limits(&case.system, None),
         })
     }
@@ -187,6 +212,10 @@ impl Subject {
                 let cycle = case.field.cycle(plan, case.accuracy, run)?;
                 FittedCycle::Asperities(Box::new((case, cycle)))
             }
+            Self::HeightMap(_) => {
+                let refused = Question::Cycle.check(Solver::HeightMap, &[]);
+                return Err(refused.err().map_or(SolveError::NoFloor, Into::into));
+            }
             Self::Flat(case) => {
                 let system = case.system.clone().with_adhesion(some(self.adhesion()));
                 let system = system.map_err(SolveError::from)?;
@@ -211,7 +240,14 @@ fn numbers(file: &CaseFile) -> Result<Vec<(Key, f64)>, CaseError> {
     Ok(numbers)
 }
 
-/// Name of the method of fits with a case: that of a method for pillars, `rounded tops` or `flat`.
+fn among(numbers: &[(Key, f64)], key: Key) -> Option<f64> {
+    let mut numbers = numbers.iter();
+    numbers
+        .find(|(given, _)| *given == key)
+        .map(|(_, value)| *value)
+}
+
+/// Name of the method of fits with a case: that of a method for pillars, `rounded tops`, `boundary elements` or `flat`.
 ///
 /// # Errors
 /// [`CaseError`] for an invalid case.

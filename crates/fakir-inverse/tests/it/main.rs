@@ -7,6 +7,7 @@ mod curves;
 mod films;
 mod fit;
 mod flat;
+mod height_maps;
 mod heights;
 mod measurements;
 mod over_time;

@@ -595,13 +595,6 @@ static RULES: &[Rule] = &[
         "use `sweep` with the quantity as an axis, and read the value from its table",
     ),
     rule(
-        &[Question::Fit],
-        HEIGHT_MAP,
-        &[],
-        "a fit needs derivatives of the contact; on a height map it changes in steps of cells, and each solution takes seconds",
-        "use `approach` for a loading curve to compare with the measured one, or `sweep` with modulus and indentation as axes",
-    ),
-    rule(
         &[Question::Explore],
         HEIGHT_MAP,
         &[],

@@ -28,8 +28,8 @@
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
 //! along the edge of the contact, which are counted fully or not at all.
 
-use super::surface_level::{Level, Pressed, check_whole};
-use crate::numerics::convergence::larger;
+use super::surface_level::{Level, Pressed, check_whole, separation};
+use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{Boundary, HeightMap, Load, SurfaceSystem};
 use crate::state::{
     ErrorEstimate, FloorErrors, Regime, Run, SolveError, SurfaceContact, SurfaceTransition,
@@ -136,6 +136,14 @@ impl SurfaceSystem {
             contact,
             floor_contact,
         })
+    }
+
+    /// Indentation at which the undeformed surfaces touch, m: not zero if the highest point of the surface is not below the lowest one of the
+    /// indenter.
+    #[must_use]
+    pub fn first_touch(&self) -> f64 {
+        let separation = separation(self, &self.surface).into_iter();
+        separation.fold(f64::INFINITY, smaller)
     }
 
     /// The surface on levels of decreasing cell size, coarsest first.

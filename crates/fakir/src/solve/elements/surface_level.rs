@@ -755,7 +755,7 @@ fn from_axis(system: &SurfaceSystem, grid: &Grid, cell: usize) -> [f64; 2] {
 }
 
 /// Separation of the undeformed surfaces with the lowest point of the indenter level with the highest point of the original surface.
-fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
+pub(super) fn separation(system: &SurfaceSystem, surface: &HeightMap) -> Vec<f64> {
     let highest = system.surface().highest();
     surface
         .heights()
