@@ -19,6 +19,7 @@ from ._run import Progress, options, warn_of_interactions
 from ._settings import SAMPLES, SEED
 from ._state import ContactState, CriticalState, radius
 from ._system import System
+from .bem import Surface, SurfaceContact, SurfaceTransition
 from .errors import DesignError
 
 if TYPE_CHECKING:
@@ -30,30 +31,35 @@ class Candidate(NamedTuple):
 
     value: float
     """The value of the free key, in SI units."""
-    system: System | AsperityArray
-    """The system, or the rounded tops, with this value."""
-    reached: CriticalState | ContactState | Cycle | AsperityTransition | AsperityCycle
+    system: System | AsperityArray | Surface
+    """The system, the rounded tops or the height map, with this value."""
+    reached: CriticalState | ContactState | Cycle | AsperityTransition | AsperityCycle | SurfaceTransition | SurfaceContact
     """Its critical state; its contact under the load for a target floor share; its cycle for a target pull-off force."""
 
     @property
-    def critical(self) -> CriticalState | AsperityTransition:
+    def critical(self) -> CriticalState | AsperityTransition | SurfaceTransition:
         """Its critical state; computed on access for a target floor share or pull-off force."""
         reached = self.reached
-        return reached if isinstance(reached, (CriticalState, AsperityTransition)) else self.system.transition()
+        is_critical = isinstance(reached, (CriticalState, AsperityTransition, SurfaceTransition))
+        return reached if is_critical else self.system.transition()
 
     @property
     def cycle(self) -> Cycle | AsperityCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         reached = self.reached
-        return reached if isinstance(reached, (Cycle, AsperityCycle)) else self.system.cycle()
+        if isinstance(reached, (Cycle, AsperityCycle)):
+            return reached
+        if isinstance(self.system, Surface):
+            raise DesignError("adhesion, and cycles, are not supported on a height map")
+        return self.system.cycle()
 
     @property
-    def state(self) -> ContactState | AsperityContact:
+    def state(self) -> ContactState | AsperityContact | SurfaceContact:
         """Its contact: critical, or under the load for a target floor share."""
-        if isinstance(self.reached, ContactState):
+        if isinstance(self.reached, (ContactState, SurfaceContact)):
             return self.reached
         critical = self.critical
-        return critical.contact if isinstance(critical, AsperityTransition) else critical.state
+        return critical.state if isinstance(critical, CriticalState) else critical.contact
 
 
 class Design(Result):
@@ -65,8 +71,8 @@ class Design(Result):
     """The free key."""
     value: float
     """Its value, in SI units."""
-    system: System | AsperityArray
-    """The system, or the rounded tops, with this value."""
+    system: System | AsperityArray | Surface
+    """The system, the rounded tops or the height map, with this value."""
     sensitivity: float
     """Relative change of the result divided by that of the value: the required manufacturing accuracy."""
 
@@ -79,7 +85,13 @@ class Design(Result):
         self.value, self.system = found.value, found.system
 
     @property
-    def critical(self) -> CriticalState | AsperityTransition:
+    def relative_error(self) -> float | None:
+        """Estimated relative error of the value, due to the cells of a height map; None for other surfaces."""
+        error = self._summary["design"].get("relative_error_estimate")
+        return None if error is None else float(error)
+
+    @property
+    def critical(self) -> CriticalState | AsperityTransition | SurfaceTransition:
         """Its critical state; computed on access for a target floor share or pull-off force."""
         return self._found.critical
 
@@ -89,7 +101,7 @@ class Design(Result):
         return self._found.cycle
 
     @property
-    def state(self) -> ContactState | AsperityContact:
+    def state(self) -> ContactState | AsperityContact | SurfaceContact:
         """Its contact: critical, or under the load for a target floor share."""
         return self._found.state
 
@@ -98,7 +110,7 @@ class Design(Result):
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
         reached = self._found.reached
         contact: list[Row]
-        if isinstance(reached, (Cycle, AsperityCycle, AsperityTransition)):
+        if isinstance(reached, (Cycle, AsperityCycle, AsperityTransition, SurfaceTransition, SurfaceContact)):
             contact = reached._rows()
         elif isinstance(reached, CriticalState):
             contact = [
@@ -129,7 +141,7 @@ class OutOfReach(DesignError):
 
 
 def design(
-    system: System | AsperityArray,
+    system: System | AsperityArray | Surface,
     free: str,
     *,
     critical_force: Quantity | None = None,
@@ -149,13 +161,13 @@ def design(
     Parameters
     ----------
     system
-        All other quantities; its value of ``free`` is the initial value. Rounded tops, which support no floor share, must be those of
-        a case file.
+        All other quantities; its value of ``free`` is the initial value. Rounded tops, which support no floor share, and a
+        `fakir.bem.Surface`, every contact of which is solved on its cells, must be those of a case file.
     free
         Key of the quantity: ``"pattern.pitch"``, ``"pattern.surface_fraction"``, ``"pattern.pillar.height"``,
         ``"pattern.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
         ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base; for rounded tops also
-        ``"pattern.top_radius"``.
+        ``"pattern.top_radius"``; for a height map ``"surface.height_unit"`` and the lengths of its pillars.
     critical_force, critical_contact_radius
         Target of the critical state (N, m).
     floor_share, at_force, at_indentation
@@ -222,7 +234,12 @@ def design(
     raise OutOfReach(answer["design"]["statement"], candidates)
 
 
-def _candidate(value: float, case: _fakir.Case | _fakir.Asperities, found: Any) -> Candidate:
+def _candidate(value: float, case: _fakir.Case | _fakir.Asperities | _fakir.Surface, found: Any) -> Candidate:
+    if isinstance(case, _fakir.Surface):
+        surface = Surface._of(case)
+        if isinstance(found, _fakir.SurfaceTransition):
+            return Candidate(value, surface, SurfaceTransition(SurfaceContact(surface, found.contact), found))
+        return Candidate(value, surface, SurfaceContact(surface, found))
     if isinstance(case, _fakir.Asperities):
         tops = AsperityArray._of(case)
         if isinstance(found, _fakir.AsperityTransition):

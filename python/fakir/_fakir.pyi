@@ -298,7 +298,7 @@ class Ledger:
     def close(self) -> None: ...
 
 def design(
-    case: Case | Asperities,
+    case: Case | Asperities | Surface,
     free: str,
     wanted: tuple[
         float | None,

@@ -43,13 +43,17 @@ impl AnyCase {
         }
     }
 
-    /// Finite number of a key of pillars, in SI units; `None` if the case has none, and for other surfaces.
+    /// Finite number of a key, in SI units; `None` if the case has none, and for a flat surface.
     #[must_use]
     pub fn number(&self, key: Key) -> Option<f64> {
         match self {
             Self::Pillars(case) => case.number(key),
             Self::Asperities(case) => case.number(key),
-            Self::HeightMap(_) | Self::Flat(_) => None,
+            Self::HeightMap(file) => {
+                let given = file.given(key).ok().flatten();
+                given.filter(|value| value.is_finite())
+            }
+            Self::Flat(_) => None,
         }
     }
 

@@ -12,21 +12,25 @@
 //! starts where the homogenised lattice has its transition under the load. A value whose contact cannot be solved gives no information
 //! on the share and limits the range.
 //!
+//! On a height map every contact is solved again on its cells, on which it changes in small steps. The target is met to within the estimated error of the
+//! cells, which [`Answer::error`] converts into that of the value; the range ends where a contact cannot be solved.
+//!
 //! A pull-off force requires a whole cycle up to the critical state or a given load, with adhesive tops and the spectral method. There is no
 //! initial estimate, and the range ends where a cycle has too many pillars. The target is met to within the numerical error of the
 //! force, because fronts on pillars that have partly detached move in steps.
 
 use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
-use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens};
+use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens, SurfaceSystem};
 use fakir::state::{
     AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FloorContact,
-    Run, Solution, SolveError,
+    Run, Solution, SolveError, SurfaceContact, SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{AnyCase, CaseError, CaseFile, Key};
+use fakir_case::{AnyCase, CaseError, CaseFile, Key, SurfaceKind};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
+use fakir_study::surfaces::{Answered, on_wide_enough_a_grid};
 use std::ops::Bound;
 
 /// Target of a design, for the critical state or for the contact under a load.
@@ -74,7 +78,7 @@ impl Wanted {
                 None => reached.force(),
             },
             Self::ContactRadius(_) => reached.contact_radius(),
-            Self::FloorShare { .. } => reached.floor().map_or(0.0, |floor| floor.share),
+            Self::FloorShare { .. } => reached.floor_share().map_or(0.0, |[share, _]| share),
         }
     }
 
@@ -143,7 +147,7 @@ impl Wanted {
         if !self.is_share() {
             return ratio.ln();
         }
-        match reached.floor() {
+        match reached.floor_share() {
             Some(_) => ratio.powf(SHARE_POWER) - 1.0,
             // A lens below the level of the floor without floor force is not nearer to the floor
             // share.
@@ -157,10 +161,14 @@ impl Wanted {
         if let Some(pull_off) = reached.pull_off() {
             return pull_off.error;
         }
-        match reached.floor() {
-            Some(floor) if self.is_share() => {
+        match (self, reached.floor_share()) {
+            (Self::FloorShare { .. }, Some([_, error])) => {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
-                slope * floor.error.share
+                slope * error
+            }
+            (Self::Force(_), _) => reached.errors_of_cells().map_or(0.0, |[force, _]| force),
+            (Self::ContactRadius(_), _) => {
+                reached.errors_of_cells().map_or(0.0, |[_, radius]| radius)
             }
             _ => 0.0,
         }
@@ -191,6 +199,10 @@ pub enum Reached {
     CriticalOfTops(Box<Critical<AsperityContact>>),
     /// The cycle of rounded tops of a target pull-off force.
     PulledOffTops(Box<AsperityCycle>),
+    /// The critical state on a height map.
+    CriticalOnMap(Box<Answered<SurfaceTransition>>),
+    /// The contact with a height map under the load of a target floor share.
+    PressedOnMap(Box<Answered<SurfaceContact>>),
 }
 
 /// Pull-off of a cycle.
@@ -203,15 +215,47 @@ pub struct PulledOff {
 }
 
 impl Reached {
-    /// The contact with flat tops, critical or not; for a cycle, the contact at the largest load. `None` for rounded tops.
+    /// The contact with flat tops, critical or not; for a cycle, the contact at the largest load. `None` for other surfaces.
     #[must_use]
     pub fn contact(&self) -> Option<&ContactState> {
         match self {
             Self::Critical(critical) => Some(&critical.contact),
             Self::Pressed(contact) => Some(contact),
             Self::PulledOff(cycle) => Some(&cycle.turn),
-            Self::CriticalOfTops(_) | Self::PulledOffTops(_) => None,
+            Self::CriticalOfTops(_)
+            | Self::PulledOffTops(_)
+            | Self::CriticalOnMap(_)
+            | Self::PressedOnMap(_) => None,
         }
+    }
+
+    /// The contact with a height map; `None` for other surfaces.
+    #[must_use]
+    pub fn on_map(&self) -> Option<&SurfaceContact> {
+        match self {
+            Self::CriticalOnMap(critical) => Some(&critical.answer.contact),
+            Self::PressedOnMap(contact) => Some(&contact.answer),
+            _ => None,
+        }
+    }
+
+    /// Estimated errors of critical force and contact radius relative to them, due to the cells of a height map; NaN if they are unknown.
+    fn errors_of_cells(&self) -> Option<[f64; 2]> {
+        let contact = self.on_map()?;
+        let force = contact.error.map_or(f64::NAN, |error| error.force);
+        let radius = contact.relative_contact_radius_error();
+        Some([force, radius.unwrap_or(f64::NAN)])
+    }
+
+    /// Fraction of the load on the floor and its estimated relative error; `None` if the floor carries nothing, and under rounded tops.
+    #[must_use]
+    pub fn floor_share(&self) -> Option<[f64; 2]> {
+        let Some(contact) = self.on_map() else {
+            return self.floor().map(|floor| [floor.share, floor.error.share]);
+        };
+        let share = contact.shares?.floor.force / contact.force;
+        let error = contact.floor_error.map_or(f64::NAN, |error| error.share);
+        (share > 0.0).then_some([share, error])
     }
 
     /// Normal force of the contact, N; for a cycle, at the end of the loading.
@@ -223,6 +267,8 @@ impl Reached {
             Self::PulledOff(cycle) => cycle.turn.force,
             Self::CriticalOfTops(critical) => critical.contact.force,
             Self::PulledOffTops(cycle) => cycle.turn.force,
+            Self::CriticalOnMap(critical) => critical.answer.contact.force,
+            Self::PressedOnMap(contact) => contact.answer.force,
         }
     }
 
@@ -235,6 +281,12 @@ impl Reached {
             Self::PulledOff(cycle) => cycle.turn.contact_radius,
             Self::CriticalOfTops(critical) => critical.contact_radius(),
             Self::PulledOffTops(cycle) => cycle.turn.contact_radius.unwrap_or(0.0),
+            Self::CriticalOnMap(critical) => {
+                let [x, y] = critical.answer.floor_contact;
+                let radius = critical.answer.contact.contact_radius.unwrap_or(0.0);
+                larger(radius, x.hypot(y))
+            }
+            Self::PressedOnMap(contact) => contact.answer.contact_radius.unwrap_or(0.0),
         }
     }
 
@@ -250,7 +302,7 @@ impl Reached {
                 cycle.pull_off.as_ref().map(|contact| contact.force),
                 cycle.errors.pull_off_force,
             ),
-            Self::Critical(_) | Self::Pressed(_) | Self::CriticalOfTops(_) => return None,
+            _ => return None,
         };
         Some(PulledOff {
             force: force.unwrap_or(0.0),
@@ -258,14 +310,23 @@ impl Reached {
         })
     }
 
-    /// Contact on the floor; `None` without, and under rounded tops.
+    /// Contact on the floor; `None` without, and on other surfaces than flat tops.
     #[must_use]
     pub fn floor(&self) -> Option<&FloorContact> {
         self.contact()?.floor.as_ref()
     }
 
-    /// Smallest gap between lens and floor over the height of the pillars; infinite for rounded tops, whose floor share is not computed.
+    /// Smallest gap between lens and floor over the height of the pillars, or of the relief of a height map; infinite for rounded tops, whose floor share is
+    /// not computed.
     fn to_the_floor(&self) -> f64 {
+        if let Self::PressedOnMap(contact) = self {
+            let surface = contact.case.system.surface();
+            let gap = contact
+                .answer
+                .nearest_floor
+                .map_or(f64::INFINITY, |it| it.0);
+            return gap / (surface.highest() - surface.lowest());
+        }
         self.contact().map_or(f64::INFINITY, |contact| {
             contact.smallest_floor_gap / contact.system.pillar().height
         })
@@ -278,6 +339,8 @@ impl Reached {
             Self::PulledOff(cycle) => cycle.as_ref(),
             Self::CriticalOfTops(critical) => &critical.contact,
             Self::PulledOffTops(cycle) => cycle.as_ref(),
+            Self::CriticalOnMap(critical) => &critical.answer.contact,
+            Self::PressedOnMap(contact) => &contact.answer,
         }
     }
 
@@ -335,6 +398,8 @@ pub enum Limit {
     FloorFirst,
     /// Beyond this value, too many pillars are in contact for a cycle.
     ManyPillars,
+    /// Beyond this value, the height map cannot be generated.
+    Invalid(String),
 }
 
 /// A design: question and result.
@@ -372,23 +437,47 @@ impl Answer {
         self.free.dimension()
     }
 
+    /// Estimated relative error of the value, due to the cells of a height map; `None` for other surfaces, on which it is accurate, and if
+    /// it is unknown.
+    #[must_use]
+    pub fn error(&self) -> Option<f64> {
+        let Design::Found {
+            candidate,
+            sensitivity,
+        } = &self.design
+        else {
+            return None;
+        };
+        candidate.reached.on_map()?;
+        let of_excess = self.wanted.excess_error(&candidate.reached);
+        let of_target = match self.wanted {
+            Wanted::FloorShare { .. } => of_excess / SHARE_POWER,
+            _ => of_excess,
+        };
+        Some(of_target / sensitivity.abs()).filter(|error| error.is_finite())
+    }
+
     fn value(&self, candidate: &Candidate) -> String {
-        with_unit(candidate.value, self.dimension(), 8)
+        let digits = match self.error() {
+            Some(error) => digits(error),
+            None if candidate.reached.on_map().is_some() => 3,
+            None => 8,
+        };
+        with_unit(candidate.value, self.dimension(), digits)
     }
 
     /// Value of the target quantity for the candidate, with its significant digits.
     fn answer_of(&self, candidate: &Candidate) -> String {
-        let floor = candidate.reached.floor();
+        let share = candidate.reached.floor_share();
+        let of_cells = candidate.reached.errors_of_cells();
         let digits = match self.wanted {
-            Wanted::Force(_) => DIGITS,
-            Wanted::ContactRadius(_) => LENGTH_DIGITS,
+            Wanted::Force(_) => of_cells.map_or(DIGITS, |[force, _]| digits(force)),
+            Wanted::ContactRadius(_) => of_cells.map_or(LENGTH_DIGITS, |it| digits(it[1])),
             Wanted::PullOff { .. } => {
                 let pull_off = candidate.reached.pull_off();
                 pull_off.map_or(1, |pull_off| digits(pull_off.error))
             }
-            Wanted::FloorShare { .. } => {
-                floor.map_or(1, |floor| digits(floor.error.share).min(DIGITS))
-            }
+            Wanted::FloorShare { .. } => share.map_or(1, |[_, error]| digits(error).min(DIGITS)),
         };
         with_unit(
             self.wanted.of(&candidate.reached),
@@ -446,6 +535,7 @@ impl Answer {
                         ", beyond which the lens reaches the floor before any pillar".to_owned()
                     }
                     Limit::Solver(error) => format!(", beyond which {error}"),
+                    Limit::Invalid(problem) => format!(", beyond which {problem}"),
                     Limit::ManyPillars => format!(
                         ", beyond which the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long"
                     ),
@@ -485,6 +575,12 @@ pub enum DesignError {
     /// A key that cannot be free.
     #[error("{} cannot be free: give one of {}", .0.path(), free_names())]
     NotFree(Key),
+    /// A key of a height map or its bodies without a value to begin with.
+    #[error("{} is not in the case: give it there, for the search to begin with", .0.path())]
+    NotGiven(Key),
+    /// A contact radius under a plate, which has no axis.
+    #[error("a plate has no contact radius: give a critical force")]
+    NoRadius,
     /// Invalid target.
     #[error("the target {} must be greater than 0", .0.name())]
     NotPositive(Wanted),
@@ -517,17 +613,20 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be free: all sizes and moduli of a case with a pattern, but not works of adhesion.
+/// Keys that can be free: all sizes and moduli of a case, but not works of adhesion.
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
     let is_made = |key: &Key| {
         let dimension = key.dimension();
-        key.is_positive() && ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension)
+        let is_made = ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension);
+        is_made && (key.is_positive() || *key == Key::HeightUnit) && !NUMERICAL.contains(key)
     };
-    keys.filter(|key| is_made(key) && !key.is_of_surface())
-        .collect()
+    keys.filter(is_made).collect()
 }
+
+/// Lengths of a height map that are not those of the sample.
+const NUMERICAL: [Key; 2] = [Key::GridWidth, Key::MinimumDistance];
 
 /// Returns the free key with that path, or with that last name if it is unique.
 ///
@@ -537,6 +636,10 @@ pub fn free_key(name: &str) -> Result<Key, String> {
     let name: &str = Key::at(name).map_or(name, |key| key.path());
     let mut named = free_keys();
     named.retain(|key| key.path() == name || key.name() == name);
+    // The last name of a key of a pattern is not that of a key of a surface.
+    if named.iter().any(|key| !key.is_of_surface()) {
+        named.retain(|key| !key.is_of_surface() || key.path() == name);
+    }
     match named[..] {
         [key] => Ok(key),
         [] => Err(format!("give one of {}", free_names())),
@@ -561,6 +664,9 @@ const JUMP: f64 = 1e-12;
 /// The same for floor shares, which jump by their error where the grid on the floor changes, and for pull-off
 /// forces.
 const COARSE_JUMP: f64 = 1e-7;
+
+/// The same on a height map, whose results jump by whole cells; much narrower than a sample can be made.
+const JUMP_OF_CELLS: f64 = 1e-4;
 
 /// A floor share to this power is nearly linear in the load past the transition.
 const SHARE_POWER: f64 = 2.0 / 3.0;
@@ -595,7 +701,8 @@ pub fn design(
     run: &Run<'_>,
 ) -> Result<Design, DesignError> {
     file.check_surface(&[Question::Design])?;
-    if !free_keys().contains(&free) {
+    let is_on_map = file.surface_kind() == SurfaceKind::HeightMap;
+    if !free_keys().contains(&free) || free.is_of_surface() && !is_on_map {
         return Err(DesignError::NotFree(free));
     }
     let target = wanted.value();
@@ -614,7 +721,15 @@ pub fn design(
         _ => {}
     }
     let first = first_value(file, free)?;
-    let case = changed(file, free, first).any_case(wanted.questions())?;
+    let begin = changed(file, free, first);
+    let case = begin.any_case(wanted.questions())?;
+    if is_on_map {
+        let indenter = begin.surface_case(run.memory_limit())?;
+        if indenter.system.indenter().lens().is_none() && matches!(wanted, Wanted::ContactRadius(_))
+        {
+            return Err(DesignError::NoRadius);
+        }
+    }
     if wanted.is_pull_off() && !case.is_adhesive() {
         return Err(DesignError::NoAdhesion);
     }
@@ -627,6 +742,7 @@ pub fn design(
         range: range(free, first, &case),
         method: Some(Method::Homogenised),
         has_outlines: is_flat && !wanted.is_coarse(),
+        is_on_map,
     };
     let estimate = if !is_flat || wanted.is_pull_off() {
         // The homogenised lattice has no adhesion and no rounded tops.
@@ -687,6 +803,9 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     if let Some(value) = given {
         return Ok(value);
     }
+    if matches!(case, Ok(AnyCase::HeightMap(_))) {
+        return Err(DesignError::NotGiven(free));
+    }
     if let (Ok(case), Key::SubstrateThickness | Key::LensThickness) = (&case, free) {
         // A half-space is thicker than the lens is wide.
         return Ok(widest(case));
@@ -711,6 +830,8 @@ const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
 /// Range of the search: all valid values, up to a factor of a million from the start.
 fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
+    /// The same on a height map, whose contacts take seconds.
+    const FARTHEST_ON_MAP: f64 = 30.0;
     /// Largest thickness in widths of the lens; beyond, a thickness has no measurable effect.
     const THICKEST: f64 = 1e3;
     /// Relative distance from a bound that is not valid itself.
@@ -720,15 +841,19 @@ fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
         AnyCase::Asperities(case) => case.allowed(free),
         AnyCase::HeightMap(_) | AnyCase::Flat(_) => free.bounds(),
     };
+    let farthest = match case {
+        AnyCase::HeightMap(_) => FARTHEST_ON_MAP,
+        _ => FARTHEST,
+    };
     let least = match least {
         Bound::Included(least) => least,
         Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
-        Bound::Excluded(_) | Bound::Unbounded => first / FARTHEST,
+        Bound::Excluded(_) | Bound::Unbounded => first / farthest,
     };
     let greatest = match greatest {
         Bound::Included(greatest) => greatest,
         Bound::Excluded(greatest) => greatest * (1.0 - MARGIN),
-        Bound::Unbounded => first * FARTHEST,
+        Bound::Unbounded => first * farthest,
     };
     // Pillars as wide as the lens, or as far apart, are not a pattern.
     let widest = widest(case);
@@ -773,6 +898,8 @@ struct Search<'a> {
     method: Option<Method>,
     /// Whether the homogenised lattice is an estimate of the contacts of the case.
     has_outlines: bool,
+    /// Whether the surface is a height map.
+    is_on_map: bool,
 }
 
 /// The contact at one value.
@@ -826,6 +953,7 @@ struct Missed {
 fn no_contact(limit: Limit, key: Key) -> DesignError {
     match limit {
         Limit::Solver(error) => error.into(),
+        Limit::Invalid(_) => DesignError::NotFree(key),
         _ => DesignError::TooManyPillars(key),
     }
 }
@@ -891,8 +1019,7 @@ impl Search<'_> {
                 error: 0.0,
             });
         }
-        let reached = self.reached(&case);
-        let outcome = match reached {
+        let outcome = match self.reached(&case) {
             Ok(reached) if !reached.solution().converged() => {
                 return Err(DesignError::NotConverged {
                     key: self.free,
@@ -904,7 +1031,7 @@ impl Search<'_> {
                 case,
                 reached,
             }),
-            Err(
+            Err(DesignError::Solve(
                 error @ (SolveError::ContactExceedsLens { .. }
                 | SolveError::ProfileEnds { .. }
                 | SolveError::TooLarge { .. }
@@ -912,12 +1039,22 @@ impl Search<'_> {
                 | SolveError::ContactsMerge { .. }
                 | SolveError::TouchedAtRim { .. }
                 | SolveError::FloorCovered),
-            ) => Err(Limit::Solver(error)),
+            )) => Err(Limit::Solver(error)),
             // Memory for the grid on the floor of wide lattices.
-            Err(error @ SolveError::TooManyCells { .. }) if self.wanted.is_share() => {
+            Err(DesignError::Solve(error @ SolveError::TooManyCells { .. }))
+                if self.wanted.is_share() =>
+            {
                 Err(Limit::Solver(error))
             }
-            Err(error) => return Err(error.into()),
+            Err(DesignError::Solve(error))
+                if self.is_on_map && error != SolveError::Interrupted =>
+            {
+                Err(Limit::Solver(error))
+            }
+            Err(DesignError::Case(error)) if self.is_on_map => {
+                Err(Limit::Invalid(error.to_string()))
+            }
+            Err(error) => return Err(error),
         };
         let (excess, error) = match &outcome {
             // A method without floor contact finds the transition, where the share starts from
@@ -940,12 +1077,25 @@ impl Search<'_> {
     }
 
     /// The contact to which the target applies.
-    fn reached(&self, case: &AnyCase) -> Result<Reached, SolveError> {
+    fn reached(&self, case: &AnyCase) -> Result<Reached, DesignError> {
         let plan = |load: Load| CyclePlan {
             turn: load.into(),
             ..CyclePlan::default()
         };
-        match (case, self.wanted) {
+        let solved = match (case, self.wanted) {
+            (AnyCase::HeightMap(file), Wanted::FloorShare { load, .. }) => {
+                return self
+                    .on_map(file, |system| {
+                        let contact = system.press(load, self.run)?;
+                        contact.shares.map(|_| contact).ok_or(SolveError::NoFloor)
+                    })
+                    .map(|answered| Reached::PressedOnMap(Box::new(answered)));
+            }
+            (AnyCase::HeightMap(file), _) => {
+                return self
+                    .on_map(file, |system| system.transition(self.run))
+                    .map(|answered| Reached::CriticalOnMap(Box::new(answered)));
+            }
             (AnyCase::Pillars(case), Wanted::FloorShare { load, .. }) => {
                 fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
             }
@@ -964,11 +1114,30 @@ impl Search<'_> {
                 let critical = case.field.transition(case.accuracy, self.run)?;
                 Ok(Reached::CriticalOfTops(Box::new(critical)))
             }
-            // Their floor share is refused before, as are other surfaces.
-            (AnyCase::Asperities(_) | AnyCase::HeightMap(_) | AnyCase::Flat(_), _) => {
-                Err(SolveError::NoFloor)
-            }
-        }
+            // Their floor share is refused before, as are flat surfaces.
+            (AnyCase::Asperities(_) | AnyCase::Flat(_), _) => Err(SolveError::NoFloor),
+        };
+        Ok(solved?)
+    }
+
+    /// Solves a problem on a height map, on a grid that is wide enough.
+    fn on_map<T>(
+        &self,
+        file: &CaseFile,
+        ask: impl Fn(&SurfaceSystem) -> Result<T, SolveError>,
+    ) -> Result<Answered<T>, DesignError> {
+        let needed = |error: &DesignError| match error {
+            DesignError::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            _ => None,
+        };
+        on_wide_enough_a_grid(file, self.run.memory_limit(), needed, |case| {
+            Ok(ask(&case.system)?)
+        })
+    }
+
+    /// Whether an unsolved contact gives no information, and whether the accuracy is limited by an estimated error.
+    fn is_coarse(&self) -> bool {
+        self.wanted.is_coarse() || self.is_on_map
     }
 
     /// Whether, according to the homogenised lattice, too many pillars are in contact at the transition for a cycle.
@@ -1020,7 +1189,7 @@ impl Search<'_> {
         {
             return Ok(Ending::Found(candidate));
         }
-        if self.wanted.is_coarse()
+        if self.is_coarse()
             && let Err(limit) = start.outcome
         {
             return Err(no_contact(limit, self.free));
@@ -1069,7 +1238,7 @@ impl Search<'_> {
             let trial = self.trial(next)?;
             // A contact that cannot be solved has no floor share or pull-off force: the range ends
             // before it.
-            if self.wanted.is_coarse() && trial.outcome.is_err() {
+            if self.is_coarse() && trial.outcome.is_err() {
                 unsolved[side] = Some(trial);
                 continue;
             }
@@ -1095,10 +1264,10 @@ impl Search<'_> {
     fn close_in(&self, mut sides: [Trial; 2]) -> Result<Ending, DesignError> {
         let mut root = self.narrow(&mut sides, EDGE)?;
         if sides.iter().all(|trial| trial.excess.is_finite()) {
-            let width = if self.wanted.is_coarse() {
-                COARSE_JUMP
-            } else {
-                JUMP
+            let width = match self.is_coarse() {
+                true if self.is_on_map => JUMP_OF_CELLS,
+                true => COARSE_JUMP,
+                false => JUMP,
             };
             root = self.narrow(&mut sides, width)?;
         }
@@ -1218,7 +1387,11 @@ impl Search<'_> {
     /// Sensitivity `d ln(result)/d ln(x)` by a central difference.
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
         // Floor shares and pull-off forces have fewer significant digits and require a longer step.
-        let step = if self.wanted.is_coarse() { 1e-2 } else { 1e-3 };
+        let step = match self.is_coarse() {
+            true if self.is_on_map => 5e-2,
+            true => 1e-2,
+            false => 1e-3,
+        };
         let middle = found.value.ln();
         let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
         let logarithms = sides.map(|trial| {
@@ -1271,7 +1444,7 @@ mod tests {
             };
             for free in free_keys()
                 .into_iter()
-                .filter(|key| !key.is_of_layers() && *key != Key::TopRadius)
+                .filter(|key| !key.is_of_layers() && !key.is_of_surface() && *key != Key::TopRadius)
             {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),

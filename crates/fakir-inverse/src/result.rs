@@ -6,8 +6,11 @@ use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::Load;
 use fakir_case::AnyCase;
 use fakir_study::VERSION;
-use fakir_study::record::{AsperityCritical, Object};
-use fakir_study::result::{CycleSummary, asperity_cycle, asperity_transition, press, transition};
+use fakir_study::record::{AsperityCritical, Object, SurfaceAnswer};
+use fakir_study::result::{
+    CycleSummary, asperity_cycle, asperity_transition, press, surface_press, surface_transition,
+    transition,
+};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
@@ -36,7 +39,11 @@ impl DesignSummary {
         wall_time: f64,
     ) -> Self {
         Self {
-            method: case.pattern().map_or("spectral", |case| case.method.name()),
+            method: match case {
+                AnyCase::Pillars(case) => case.method.name(),
+                AnyCase::HeightMap(_) => "love",
+                AnyCase::Asperities(_) | AnyCase::Flat(_) => "spectral",
+            },
             tops: matches!(case, AnyCase::Asperities(_)).then_some("rounded"),
             design: answer.map(|answer| AnswerObject::new(answer, wall_time)),
             spread: spread.map(|(sampling, spread)| SpreadObject::new(sampling, spread)),
@@ -58,6 +65,9 @@ struct AnswerObject {
     /// Sensitivity `d ln(target)/d ln(value)`: relative change of the target quantity over that of
     /// the value.
     sensitivity: Option<f64>,
+    /// Estimated relative error of the value, due to the cells of a height map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    relative_error_estimate: Option<f64>,
     statement: String,
     /// Smallest and largest value found, if the target is unattainable.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -121,6 +131,20 @@ impl AnswerObject {
                 critical_state = Some(transition(critical, None, None, wall_time));
             }
             (Reached::Pressed(contact), _) => state = Some(press(contact, None, None, wall_time)),
+            (Reached::CriticalOnMap(found), _) => {
+                let critical = SurfaceAnswer {
+                    system: &found.case.system,
+                    answer: &found.answer,
+                };
+                critical_state = Some(surface_transition(&critical, wall_time));
+            }
+            (Reached::PressedOnMap(found), _) => {
+                let contact = SurfaceAnswer {
+                    system: &found.case.system,
+                    answer: &found.answer,
+                };
+                state = Some(surface_press(&contact, wall_time));
+            }
             (Reached::PulledOff(pulled), _) => {
                 let summary = CycleSummary::new(pulled, wall_time);
                 cycle = Some(CycleObject::Flat(Box::new(summary)));
@@ -139,6 +163,7 @@ impl AnswerObject {
                 nearest.value,
             ),
             sensitivity,
+            relative_error_estimate: answer.error(),
             statement: answer.statement(),
             reachable_pull_off_force_N: reach,
             critical_state,

@@ -7,6 +7,7 @@ use crate::load::{load, load_or_critical};
 use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
+use crate::surface::Surface;
 use crate::watched::{Options, watched};
 use fakir_case::{AnyCase, CaseFile};
 use fakir_inverse::DesignSummary;
@@ -28,11 +29,12 @@ type Loaded = (f64, Option<f64>, Option<f64>);
 /// the lens is pulled off, if that is not the critical state.
 type WantedNumbers = (Option<f64>, Option<f64>, Option<Loaded>, Option<Loaded>);
 
-/// Pillars with flat or rounded tops.
+/// Pillars with flat or rounded tops, or a height map.
 #[derive(FromPyObject)]
 pub(crate) enum Subject<'py> {
     Flat(PyRef<'py, Case>),
     Rounded(PyRef<'py, Asperities>),
+    Map(PyRef<'py, Surface>),
 }
 
 impl Subject<'_> {
@@ -40,14 +42,16 @@ impl Subject<'_> {
         match self {
             Self::Flat(case) => case.file(),
             Self::Rounded(tops) => tops.file(),
+            Self::Map(surface) => surface.of_file("quantities"),
         }
     }
 
-    fn any_case(&self) -> AnyCase {
-        match self {
+    fn any_case(&self) -> PyResult<AnyCase> {
+        Ok(match self {
             Self::Flat(case) => AnyCase::Pillars(Box::new(case.case.clone())),
             Self::Rounded(tops) => AnyCase::Asperities(Box::new(tops.case().clone())),
-        }
+            Self::Map(_) => AnyCase::HeightMap(Box::new(self.file()?)),
+        })
     }
 }
 
@@ -129,6 +133,22 @@ pub(crate) fn design(
                 };
                 (Py::new(py, Case::from(*case))?.into_any(), contact)
             }
+            (AnyCase::HeightMap(file), reached) => {
+                let (surface, contact) = match reached {
+                    Reached::CriticalOnMap(found) => {
+                        let surface = Surface::of_case(found.case, *file);
+                        let critical = surface.reached(py, found.answer, wall_time)?;
+                        (surface, critical.into_any())
+                    }
+                    Reached::PressedOnMap(found) => {
+                        let surface = Surface::of_case(found.case, *file);
+                        let contact = surface.contact(py, found.answer, wall_time)?;
+                        (surface, contact.into_any())
+                    }
+                    _ => return Err(of_tops()),
+                };
+                (Py::new(py, surface)?.into_any(), contact)
+            }
             _ => return Err(of_tops()),
         };
         Ok((candidate.value, found.0, found.1))
@@ -201,7 +221,7 @@ pub(crate) fn spread<'py>(
     let spread = spread.map_err(|error| spread_error(&error))?;
     let wall_time = start.elapsed().as_secs_f64();
     let scattered = Some((&sampling, &spread));
-    let summary = DesignSummary::new(&case.any_case(), None, scattered, wall_time);
+    let summary = DesignSummary::new(&case.any_case()?, None, scattered, wall_time);
     Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 

@@ -12,7 +12,7 @@ use fakir::problem::{
     Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point, SurfaceSystem,
 };
 use fakir::state::Run;
-use fakir_case::CaseFile;
+use fakir_case::{CaseFile, SurfaceCase};
 use fakir_study::record::SurfaceAnswer;
 use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
@@ -379,7 +379,7 @@ impl Surface {
     pub(crate) fn of_file(&self, fitted: &str) -> PyResult<CaseFile> {
         self.file.clone().ok_or_else(|| {
             value_error(format!(
-                "{fitted} are fitted for a height map of a case file: save the heights as a file, and read the case with fakir.read_case"
+                "{fitted} are fitted or designed for a height map of a case file: save the heights as a file, and read the case with fakir.read_case"
             ))
         })
     }
@@ -401,15 +401,20 @@ impl Surface {
         file.refuse_absurd_heights(&case)
             .map_err(|error| case_error(&error))?;
         warn_of_deprecations(&file)?;
-        Ok(Self {
+        Ok(Self::of_case(case, file))
+    }
+
+    /// A case and the file that describes it.
+    pub(crate) fn of_case(case: SurfaceCase, file: CaseFile) -> Self {
+        Self {
             text: Some(case.to_toml()),
             system: case.system,
             file: Some(file),
             bodies: None,
-        })
+        }
     }
 
-    fn reached(
+    pub(crate) fn reached(
         &self,
         py: Python<'_>,
         found: fakir::state::SurfaceTransition,
@@ -426,7 +431,7 @@ impl Surface {
         Py::new(py, (SurfaceTransition { contact }, answer))
     }
 
-    fn contact(
+    pub(crate) fn contact(
         &self,
         py: Python<'_>,
         contact: fakir::state::SurfaceContact,

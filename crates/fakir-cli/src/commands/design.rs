@@ -152,6 +152,16 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
         (Reached::PulledOffTops(cycle), AnyCase::Asperities(case)) => {
             asperity_cycle_warnings(case, cycle)
         }
+        (Reached::CriticalOnMap(found), _) => {
+            let mut all = warnings(&found.answer.contact);
+            all.extend(found.widened.clone());
+            all
+        }
+        (Reached::PressedOnMap(found), _) => {
+            let mut all = warnings(&found.answer);
+            all.extend(found.widened.clone());
+            all
+        }
         (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
         (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
     }
@@ -174,11 +184,22 @@ fn design_text(answer: &Answer, described: &Described) -> String {
             let known = [digits(error.force), digits(depth), LENGTH_DIGITS];
             critical_rows(answer, contact.indentation, known)
         }
+        Reached::CriticalOnMap(critical) => {
+            let contact = &critical.answer.contact;
+            let [force, depth] = contact
+                .error
+                .map_or([2; 2], |it| [it.force, it.indentation].map(digits));
+            let radius = radius_digits(contact.relative_contact_radius_error().unwrap_or(1.0));
+            critical_rows(answer, contact.indentation, [force, depth, radius])
+        }
+        Reached::PressedOnMap(contact) => with_sensitivity(answer, |rows| {
+            fakir_study::answer::load_and_shares(rows, &contact.answer);
+        }),
         Reached::Pressed(state) => pressed_rows(answer, state),
-        Reached::PulledOff(cycle) => pulled_off_rows(answer, |rows| {
+        Reached::PulledOff(cycle) => with_sensitivity(answer, |rows| {
             fakir_study::answer::turn_and_pull_off(rows, cycle);
         }),
-        Reached::PulledOffTops(cycle) => pulled_off_rows(answer, |rows| {
+        Reached::PulledOffTops(cycle) => with_sensitivity(answer, |rows| {
             fakir_study::answer::turn_and_pull_off_of_tops(rows, cycle);
         }),
     };
@@ -188,30 +209,27 @@ fn design_text(answer: &Answer, described: &Described) -> String {
 
 /// The contact at the load of a target floor share.
 fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
-    let mut rows = QuantityList::default();
     let reduced = Normalized::new(
         &state.system,
         state.force,
         state.contact_radius,
         state.indentation,
     );
-    rows.load(state, &reduced)
-        .radius(
-            "contact radius",
-            state.contact_radius,
-            state.relative_contact_radius_error(),
-            String::new(),
-        )
-        .floor(state)
-        .pillars(state);
-    if let Some((value, remark)) = sensitivity(answer) {
-        rows.row("sensitivity", value, "", &remark);
-    }
-    rows.text()
+    with_sensitivity(answer, |rows| {
+        rows.load(state, &reduced)
+            .radius(
+                "contact radius",
+                state.contact_radius,
+                state.relative_contact_radius_error(),
+                String::new(),
+            )
+            .floor(state)
+            .pillars(state);
+    })
 }
 
-/// The cycle for a target pull-off force.
-fn pulled_off_rows(answer: &Answer, add: impl FnOnce(&mut QuantityList)) -> String {
+/// These rows and the sensitivity.
+fn with_sensitivity(answer: &Answer, add: impl FnOnce(&mut QuantityList)) -> String {
     let mut rows = QuantityList::default();
     add(&mut rows);
     if let Some((value, remark)) = sensitivity(answer) {
@@ -226,7 +244,13 @@ fn sensitivity(answer: &Answer) -> Option<(String, String)> {
         return None;
     };
     let (name, path) = (answer.wanted.name(), answer.free.path());
-    let remark = format!("% of the {name} for 1 % of {path}");
+    let error = answer.error().map_or_else(String::new, |error| {
+        format!(
+            ", whose estimated error is {} %",
+            significant(100.0 * error, 2)
+        )
+    });
+    let remark = format!("% of the {name} for 1 % of {path}{error}");
     Some((significant(*sensitivity, 3), remark))
 }
 

@@ -665,3 +665,56 @@ fn a_stated_error_above_a_half_is_no_answer() {
         "{problem}"
     );
 }
+
+/// A design reports the error of the cells; a fit of the loading curve of the command itself finds its modulus again.
+#[test]
+fn surfaces_are_designed_and_fitted() {
+    let case = example("square-pillars.toml");
+    let critical = json(&fakir("transition", &case, &["--json"]));
+    let wanted = format!("{:e}", 1.2 * number(&critical, "/critical_force_N"));
+    let free = [
+        "--free",
+        "substrate.young_modulus",
+        "--critical-force",
+        &wanted,
+    ];
+    let designed = json(&fakir("design", &case, &[&free[..], &["--json"]].concat()));
+    assert_eq!(designed["method"], "love");
+    assert_eq!(designed["design"]["status"], "found");
+    assert!(number(&designed, "/design/relative_error_estimate") > 0.0);
+    let reached = number(&designed, "/design/critical_state/critical_force_N");
+    let error = number(
+        &designed,
+        "/design/critical_state/relative_error_estimate/force",
+    );
+    assert!((reached / 1.2 / number(&critical, "/critical_force_N") - 1.0).abs() <= error);
+    let shown = text(&fakir("design", &case, &free).stdout);
+    assert!(shown.contains("whose estimated error is"), "{shown}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("loading");
+    let saved = output.to_string_lossy();
+    let loading = ["--step", "0.1um", "--to", "1.5um", "--output", &saved];
+    assert!(fakir("approach", &case, &loading).status.success());
+    let fitted = Command::new(env!("CARGO_BIN_EXE_fakir"))
+        .arg("fit")
+        .arg(output.join("approach.csv"))
+        .arg("--case")
+        .arg(&case)
+        .args([
+            "--set",
+            "surface.grid.cells_per_diameter=8",
+            "--set",
+            "substrate.young_modulus=1MPa",
+        ])
+        .args(["--free", "substrate.young_modulus", "--json"])
+        .output()
+        .expect("the binary runs");
+    let fitted = json(&fitted);
+    let modulus = number(&fitted, "/parameters/0/value_Pa");
+    assert!((modulus / 2e6 - 1.0).abs() < 0.02, "{modulus}");
+    assert!(
+        number(&fitted, "/scatter/0/interpolation_error_N") > 0.0,
+        "{fitted}"
+    );
+}

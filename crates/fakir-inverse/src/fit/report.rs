@@ -1,6 +1,5 @@
 //! A fit as a JSON object, as a table and as warnings, for command line and Python package.
 
-use super::subject::MAP;
 use super::{
     Estimate, Fit, FittedCycle, FittedRow, LEVEL, LeftOut, Measured, Measurements, Misfit,
     Parameter, Position, Quantity, RateTest, ReadColumn, RunsTest, Scatter, Skipped,
@@ -44,7 +43,7 @@ impl Fit {
 
     /// Warning if the error of the computed curve of a height map is larger than the standard error of a modulus, which does not contain it, or unknown.
     fn error_of_cells(&self) -> Option<String> {
-        if self.method != MAP {
+        if !self.file.is_surface() {
             return None;
         }
         let force = self

@@ -4,12 +4,15 @@ use super::error::FitError;
 use super::parameter::Parameter;
 use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load, Question, Solver};
 use fakir::state::{AsperityCycle, Cycle, FlatCycle, Limit, Run, SolveError};
-use fakir_case::{AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting, SurfaceBodies};
+use fakir_case::{
+    AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting, SurfaceBodies, SurfaceCase,
+};
 use fakir_study::approach::Loadable;
 use fakir_study::result::{asperity_cycle_warnings, cycle_warnings};
+use fakir_study::surfaces::on_wide_enough_a_grid;
 
 /// Name of the method on height maps.
-pub(super) const MAP: &str = "boundary elements";
+pub(super) const MAP: &str = "love";
 
 /// A case that can be fitted.
 #[derive(Debug, Clone)]
@@ -183,8 +186,14 @@ impl Subject {
                 } = &tops.case;
                 field.press(load, *accuracy, run)?.limits(field, None)
             }
-            // Their validity is reported as warnings.
-            Self::HeightMap(_) => Vec::new(),
+            Self::HeightMap(map) => {
+                let solve = |case: &SurfaceCase| {
+                    let contact = case.system.press(load, run)?;
+                    Ok(contact.limits(&case.system))
+                };
+                let memory = run.memory_limit();
+                on_wide_enough_a_grid(&map.file, memory, FitError::needed_width, solve)?.answer
+            }
             Self::Flat(case) => case.system.press(load, run)?.limits(&case.system, None),
         })
     }
@@ -247,7 +256,7 @@ fn among(numbers: &[(Key, f64)], key: Key) -> Option<f64> {
         .map(|(_, value)| *value)
 }
 
-/// Name of the method of fits with a case: that of a method for pillars, `rounded tops`, `boundary elements` or `flat`.
+/// Name of the method of fits with a case: that of a method for pillars, `rounded tops`, `love` on a height map, or `flat`.
 ///
 /// # Errors
 /// [`CaseError`] for an invalid case.

@@ -101,7 +101,7 @@ fn a_flat_map_is_a_flat_surface() {
     let free = [SUBSTRATE, POINT];
     let on_map = fitted(&map(|_, _| 0.0, &[]), &data, &free);
     let on_flat = fitted(&CaseFile::parse("flat.toml", BODIES).unwrap(), &data, &free);
-    assert_eq!(on_map.method, "boundary elements");
+    assert_eq!(on_map.method, "love");
     let error = error_of(&on_map);
     assert!(error < 0.02, "{error}");
     close(

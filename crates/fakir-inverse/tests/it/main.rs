@@ -9,6 +9,7 @@ mod fit;
 mod flat;
 mod height_maps;
 mod heights;
+mod map_design;
 mod measurements;
 mod over_time;
 mod rounded;

@@ -196,6 +196,15 @@ impl Kind for SurfaceCase {
     }
 }
 
+/// Load, area and the parts of tops and floor of a contact.
+pub fn load_and_shares(list: &mut QuantityList, contact: &SurfaceContact) {
+    add_load(list, contact);
+    add_area(list, contact);
+    if let Some(shares) = &contact.shares {
+        add_shares(list, shares, contact);
+    }
+}
+
 fn add_load(list: &mut QuantityList, contact: &SurfaceContact) {
     let error = contact.error;
     let rows = [

@@ -567,13 +567,6 @@ static RULES: &[Rule] = &[
         "use `sweep` with the quantity as an axis, and take differences over several cells",
     ),
     rule(
-        &[Question::FloorShare],
-        HEIGHT_MAP,
-        &[],
-        "a contact on a height map changes in steps of cells, so that a floor share cannot be prescribed",
-        "use `approach`, which reports the floor share of every state",
-    ),
-    rule(
         &[Question::Theory],
         HEIGHT_MAP,
         &[],
@@ -588,11 +581,11 @@ static RULES: &[Rule] = &[
         "use `verify`, which solves pillars on two meshes, or `press` and `transition`, which estimate their error",
     ),
     rule(
-        &[Question::Design, Question::Spread],
+        &[Question::Spread],
         HEIGHT_MAP,
         &[],
-        "a design requires a critical state that changes smoothly with the free quantity; on a height map it changes in steps of cells, and each solution takes seconds",
-        "use `sweep` with the quantity as an axis, and read the value from its table",
+        "hundreds of samples are solved, and a height map takes seconds for each",
+        "use `sweep` with the quantity as an axis, and take differences over several cells",
     ),
     rule(
         &[Question::Explore],
