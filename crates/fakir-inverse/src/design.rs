@@ -1883,7 +1883,20 @@ mod tests {
                 "pattern.pitch_y",
                 "pattern.top_radius",
                 "pattern.pillar.diameter",
-                "pattern.pillar.height"
+                "pattern.pillar.height",
+                "surface.height_unit",
+                "surface.height_range",
+                "surface.cell_size",
+                "surface.width",
+                "surface.surface_fraction",
+                "surface.pitch",
+                "surface.pillar.diameter",
+                "surface.pillar.side",
+                "surface.pillar.length",
+                "surface.pillar.width",
+                "surface.pillar.height",
+                "surface.pillar.chamfer_width",
+                "surface.pillar.edge_radius",
             ]
         );
         let mut layered = paper(0.1);
@@ -1901,6 +1914,8 @@ mod tests {
             let (file, case) = match free {
                 // It makes the tops round.
                 Key::TopRadius => continue,
+                // Other surfaces.
+                _ if free.is_of_surface() => continue,
                 Key::PitchY => (rectangular(0.1), rectangular(0.1).case().unwrap()),
                 _ if free.is_of_layers() => (layered.clone(), layered.case().unwrap()),
                 _ => (file.clone(), case.clone()),
