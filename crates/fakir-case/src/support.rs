@@ -121,21 +121,19 @@ fn asked(question: Question) -> String {
     }
 }
 
-/// Whether a surface of this solver can have all of these features.
+/// The reason why a case does not exist.
+const NOT_PERIODIC: Unsupported = Unsupported {
+    why: "a pattern is infinite or ends, and an infinite one is computed as such: only a map, which shows a part of a surface, is repeated",
+    instead: "use a [surface]",
+    with: &[&[Feature::Periodic]],
+};
+
+/// Whether a surface of this solver can have all of these features. A lens has one shape.
 fn can_have(solver: Solver, features: &[Feature]) -> bool {
-    let has = |feature| features.contains(&feature);
-    let of_pillars = [
-        Feature::OtherArrangement,
-        Feature::SeveralDiameters,
-        Feature::ElasticPillars,
-        Feature::AdhesiveFloor,
-        Feature::IgnoredFloor,
-    ];
     let is_lens = |feature: &&Feature| matches!(feature, Feature::Lens(_));
-    let is_other_surface = matches!(solver, Solver::Asperities | Solver::HeightMap);
-    let of_flat_pillars = is_other_surface && of_pillars.into_iter().any(has);
-    let of_height_maps = solver != Solver::HeightMap && has(Feature::Periodic);
-    features.iter().filter(is_lens).count() < 2 && !of_flat_pillars && !of_height_maps
+    let is_map = solver == Solver::HeightMap;
+    features.iter().filter(is_lens).count() < 2
+        && (is_map || !features.contains(&Feature::Periodic))
 }
 
 /// These features and those that they imply: a tilted plate is a plate, and an adhesive floor has adhesive tops.
@@ -168,7 +166,7 @@ impl Notes {
     /// Questions that a solver supports for a case with these features, among all that it supports without them.
     fn cell(&mut self, solver: Solver, features: &[Feature]) -> String {
         if !can_have(solver, features) {
-            return String::new();
+            return format!("no such case ({})", self.number(NOT_PERIODIC));
         }
         let features = &whole(features);
         let plain = Question::ALL.into_iter();
@@ -240,7 +238,7 @@ pub fn support() -> String {
             let _ = writeln!(text, "| {named} | {} |", cells.join(" | "));
         }
     }
-    text.push('\n');
+    let _ = writeln!(text, "\n{}\n", answered());
     for (number, note) in notes.0.iter().enumerate() {
         let _ = writeln!(
             text,
@@ -251,6 +249,49 @@ pub fn support() -> String {
         );
     }
     text
+}
+
+/// The solvers of each kind of surface.
+const OF_KINDS: [&[Solver]; 4] = [
+    &[
+        Solver::Spectral,
+        Solver::Punch,
+        Solver::Elements,
+        Solver::Homogenised,
+    ],
+    &[Solver::Asperities],
+    &[Solver::HeightMap],
+    &[Solver::Flat],
+];
+
+/// How many of all cells of the tables are answered, in a sentence: without a feature, and with one of them.
+fn answered() -> String {
+    let [mut cells, mut missing, mut asked, mut refused] = [0; 4];
+    let alone = Feature::ALL.map(|feature| vec![feature]);
+    for features in std::iter::once(Vec::new()).chain(alone) {
+        for solvers in OF_KINDS {
+            cells += 1;
+            if !can_have(solvers[0], &features) {
+                missing += 1;
+                continue;
+            }
+            let features = whole(&features);
+            let is_refused = |question: &Question| {
+                let mut solvers = solvers.iter();
+                solvers.all(|solver| question.check(*solver, &features).is_err())
+            };
+            asked += Question::ALL.len();
+            refused += Question::ALL.iter().filter(|q| is_refused(q)).count();
+        }
+    }
+    let percent = |part: usize, of: usize| 100.0 * part as f64 / of as f64;
+    format!(
+        "Of the {cells} cases with a kind of surface and at most one of these features, {missing} ({:.0} %) do not exist. Of the {asked} questions on the \
+         others, {} ({:.0} %) are answered by at least one method, and {refused} are refused for the reasons below.",
+        percent(missing, cells),
+        asked - refused,
+        percent(asked - refused, asked),
+    )
 }
 
 /// Whether a solver refuses two features together in a question that it supports with each of them.
@@ -286,5 +327,12 @@ mod tests {
             table.contains("| cylinder and periodic surface |"),
             "{table}"
         );
+        let ignored = table
+            .lines()
+            .find(|line| line.starts_with("| floor ignored |"));
+        let cells: Vec<&str> = ignored.unwrap_or_default().split(" | ").collect();
+        assert_eq!(cells[5], "yes", "the floor under rounded tops");
+        let empty = table.lines().filter(|line| line.contains("|  |"));
+        assert!(empty.clone().all(|line| line.contains(" and ")), "{table}");
     }
 }

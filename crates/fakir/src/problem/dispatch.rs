@@ -192,6 +192,7 @@ impl Feature {
         let has = |feature: &Self| match feature {
             Self::Lens(other) => *other == form,
             Self::TiltedPlate => lens.is_some_and(ShapedLens::is_tilted),
+            Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::AdhesiveTops => !field.adhesion().is_none(),
             Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
