@@ -1,7 +1,7 @@
 """Every combination of question, lens, arrangement and physics, each with a random case: is it answered or refused with a reason,
 and does a second computation agree within the stated errors?
 
-    cargo xtask campaign --combinations [--cells N] [--seed S] [--only QUESTION,LENS,ARRANGEMENT,PHYSICS]
+    cargo xtask campaign --combinations [--cells N] [--seed S] [--limit SECONDS] [--only QUESTION,LENS,ARRANGEMENT,PHYSICS]
 
 The second computation of a case is one of these, as far as it has a meaning: the same in other units (powers of two, which change no
 digit), rotated as a whole, the force at the indentation and back, the other accuracy, the same pillars as a list, boundary elements
@@ -17,6 +17,8 @@ import json
 import math
 import os
 import random
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -36,7 +38,10 @@ ROUNDING = 1e-9
 """Relative difference that rounding may cause in a sum over many pillars, beside the stated errors."""
 
 SECONDS = 300
-"""Time limit of one computation."""
+"""Limit of one computation in processor time, which does not depend on what else the machine does."""
+
+SLOW = 20.0
+"""Processor time of one computation, in s, above which it is printed."""
 
 
 @dataclass(frozen=True)
@@ -229,22 +234,29 @@ class Failed(Exception):
 def run(fakir: str, arguments: list[str]) -> dict[str, Any]:
     """The JSON of a command."""
     command = [fakir, *arguments, "--json", "--quiet"]
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, check=False)
-    except subprocess.TimeoutExpired:
-        raise Failed(f"longer than {SECONDS} s") from None
-    if done.returncode == 2:
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
+        process = subprocess.Popen(command, stdout=out, stderr=err)
+        # Waited for here and not by `subprocess`, which does not return the processor time of one program.
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = code = os.waitstatus_to_exitcode(status)
+        for stream in (out, err):
+            stream.seek(0)
+        printed, messages = out.read(), err.read()
+    if code == -signal.SIGXCPU:
+        raise Failed("longer than the limit of processor time")
+    if code == 2:
         # The message stands before the excerpt of the case file.
-        words = done.stderr.split("╭─", 1)[0]
+        words = messages.split("╭─", 1)[0]
         raise Refused(" ".join(words.replace("×", " ").replace("│", " ").split()))
-    if done.returncode not in (0, 1) or not done.stdout:
-        raise Failed(f"status {done.returncode}: {done.stderr.strip()[-300:]}")
-    answer = json.loads(done.stdout)
-    if done.returncode == 1 and answer.get("converged", True) and not answer.get("unresolved"):
+    if code not in (0, 1) or not printed:
+        raise Failed(f"status {code}: {messages.strip()[-300:]}")
+    answer = json.loads(printed)
+    answer["processor_seconds"] = used.ru_utime + used.ru_stime
+    if code == 1 and answer.get("converged", True) and not answer.get("unresolved"):
         verdict = answer.get("verdict")
         if verdict in (None, "agree"):
             raise Failed("status 1 without a reason in the result")
-    answer["status"] = done.returncode
+    answer["status"] = code
     return answer
 
 
@@ -287,6 +299,8 @@ class Finding:
     cell: str
     outcome: str
     lines: list[str] = field(default_factory=list)
+    seconds: float = 0.0
+    """Processor time of its longest computation."""
 
 
 def errors_of(answer: dict[str, Any]) -> dict[str, float]:
@@ -322,13 +336,16 @@ class Checks:
         self.lines: list[str] = []
         self.compared = 0
         self.made = 0
+        self.seconds = 0.0
 
     def answer(self, case: Case, load: dict[str, float] | None = None) -> dict[str, Any]:
         self.made += 1
         folder = self.folder / str(self.made)
         folder.mkdir()
         command, *options = asked(case, load)
-        return run(self.fakir, [command, str(written(case, folder)), *options])
+        found = run(self.fakir, [command, str(written(case, folder)), *options])
+        self.seconds = max(self.seconds, found["processor_seconds"])
+        return found
 
     def compare(self, check: str, one: float, other: float, allowed: float, least: float = 0.0) -> None:
         """Two values of a number, with the sum of their errors relative to them or to a least value."""
@@ -456,8 +473,9 @@ def examined(fakir: str, cell: tuple[str, str, str, str], seed: int) -> Finding:
         if checks.lines:
             text = written(case, Path(folder)).read_text()
             command = " ".join(asked(case))
-            return Finding(case.name, "disagreement" if outcome != "failed" else outcome, [*checks.lines, command, text])
-        return Finding(case.name, outcome)
+            outcome = "disagreement" if outcome != "failed" else outcome
+            return Finding(case.name, outcome, [*checks.lines, command, text], checks.seconds)
+        return Finding(case.name, outcome, [], checks.seconds)
 
 
 def has_meaning(cell: tuple[str, str, str, str]) -> bool:
@@ -476,7 +494,10 @@ def main() -> int:
     parser.add_argument("--cells", type=int, default=500, help="number of cells, drawn among all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", help="one cell: QUESTION,LENS,ARRANGEMENT,PHYSICS")
+    parser.add_argument("--limit", type=int, default=SECONDS, help="processor time of one computation, s")
     arguments = parser.parse_args()
+    # Inherited by the command; this program needs a few seconds itself.
+    resource.setrlimit(resource.RLIMIT_CPU, (arguments.limit, resource.getrlimit(resource.RLIMIT_CPU)[1]))
     cells = [cell for cell in itertools.product(QUESTIONS, LENSES, ARRANGEMENTS, PHYSICS) if has_meaning(cell)]
     if arguments.only:
         parts = tuple(part.strip() for part in arguments.only.split(","))
@@ -486,6 +507,7 @@ def main() -> int:
         cells = random.Random(arguments.seed).sample(cells, min(arguments.cells, total))
     outcomes: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
+    slowest = Finding("none", "")
     bad = 0
     with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
         for finding in pool.map(lambda cell: examined(arguments.fakir, cell, arguments.seed), cells):
@@ -496,7 +518,11 @@ def main() -> int:
             if finding.lines:
                 bad += 1
                 print(f"{finding.cell}: {finding.outcome}", *finding.lines, sep="\n    ", flush=True)
+            elif finding.outcome == "not resolved" or finding.seconds > SLOW:
+                print(f"{finding.cell}: {finding.outcome}, {finding.seconds:.0f} s", flush=True)
+            slowest = max(slowest, finding, key=lambda one: one.seconds)
     print(f"{len(cells)} cells, seed {arguments.seed}: " + ", ".join(f"{count} {kind}" for kind, count in outcomes.most_common()))
+    print(f"  slowest computation: {slowest.seconds:.1f} s of processor time ({slowest.cell})")
     for reason, count in reasons.most_common():
         print(f"  {count:4} refused {reason[:300]}")
     return 1 if bad else 0

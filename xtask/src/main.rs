@@ -209,7 +209,7 @@ fn main() -> ExitCode {
                  cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \
                                                     random systems: do error estimates cover the errors?\n       \
-                 cargo xtask campaign --combinations [--cells N] [--seed S] [--only QUESTION,LENS,ARRANGEMENT,PHYSICS]\n       \
+                 cargo xtask campaign --combinations [--cells N] [--seed S] [--limit SECONDS] [--only QUESTION,LENS,ARRANGEMENT,PHYSICS]\n       \
                                                     every combination: answered or refused with a reason, and compared?",
                 names(true),
                 names(false)
