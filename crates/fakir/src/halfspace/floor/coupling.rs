@@ -24,7 +24,7 @@
 use super::coarse::{BesidePillars, Coarse};
 use super::grid::{Division, FloorGrid, Folding};
 use super::mirrored::Mirrored;
-use super::table::PillarTable;
+use super::table::{PillarTable, ROUGH_ERROR};
 use super::whole::{Together, kernel_rows};
 use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
@@ -62,7 +62,8 @@ impl Coupling for SurfaceCoupling<'_> {
     }
 
     fn rough_error(&self) -> f64 {
-        self.tops.rough_error()
+        let of_floor = self.floor.as_ref().map_or(0.0, |floor| floor.rough_error());
+        self.tops.rough_error().max(of_floor)
     }
 }
 
@@ -377,7 +378,8 @@ impl<'a> FloorCoupling<'a> {
         let coarse = FloorGrid::period(division, radius, pillars.farthest);
         let shape = [0, 1].map(|k| (coarse[k] * division.parts[k]) as f64);
         let modes = mode_count(degree) as f64;
-        let tables = 8.0 * Self::table_len(division, radius, pillars, degree);
+        // The values of pillars near a cell are stored twice.
+        let tables = 2.0 * 8.0 * Self::table_len(division, radius, pillars, degree);
         let kernels = 1.0 + if pillars.listed > 0 { 0.0 } else { modes };
         let half = 0.5 * shape[0] + 1.0;
         let stored = 2.0 * radius / division.cell[1];
@@ -427,18 +429,28 @@ impl<'a> FloorCoupling<'a> {
     /// Adds to the loads on pillar tops, and sets those on floor cells.
     pub(crate) fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let floor = (&mut self.folding, &mut self.pillars, self.modes);
+        let table = PillarTable::apply;
         match &mut self.products {
-            Products::Whole { exact, .. } => apply(exact, floor, coefficients, far),
-            Products::Mirrored { exact, .. } => apply(exact, floor, coefficients, far),
+            Products::Whole { exact, .. } => apply(exact, floor, table, coefficients, far),
+            Products::Mirrored { exact, .. } => apply(exact, floor, table, coefficients, far),
         }
     }
 
     /// The same in single precision.
     pub(crate) fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
         let floor = (&mut self.folding, &mut self.pillars, self.modes);
+        let table = PillarTable::apply_roughly;
         match &mut self.products {
-            Products::Whole { rough, .. } => apply(rough, floor, coefficients, far),
-            Products::Mirrored { rough, .. } => apply(rough, floor, coefficients, far),
+            Products::Whole { rough, .. } => apply(rough, floor, table, coefficients, far),
+            Products::Mirrored { rough, .. } => apply(rough, floor, table, coefficients, far),
+        }
+    }
+
+    /// Error of a product with the table of pillars in single precision, relative to the load.
+    fn rough_error(&self) -> f64 {
+        match self.pillars {
+            Pillars::OnGrid { .. } => 0.0,
+            Pillars::Anywhere(_) => ROUGH_ERROR,
         }
     }
 }
@@ -497,6 +509,7 @@ fn least_work<T: Transform + BesidePillars>(
 fn apply<T: Transform + BesidePillars>(
     convolution: &mut Convolution<'_, T>,
     (folding, pillars, modes): (&mut Folding, &mut Pillars, usize),
+    with_table: impl FnOnce(&mut PillarTable, usize, [&[f64]; 2], [&mut [f64]; 2]),
     [tops, floor]: [&[f64]; 2],
     [far_tops, far_floor]: [&mut [f64]; 2],
 ) {
@@ -504,7 +517,7 @@ fn apply<T: Transform + BesidePillars>(
         Pillars::OnGrid { places, coarse } => (places, coarse),
         Pillars::Anywhere(table) => {
             convolution.apply(floor, far_floor);
-            return table.apply(modes, [tops, floor], [far_tops, far_floor]);
+            return with_table(table, modes, [tops, floor], [far_tops, far_floor]);
         }
     };
     let together = Arc::clone(convolution.transform());
