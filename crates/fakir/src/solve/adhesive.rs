@@ -333,7 +333,7 @@ impl<'a> Loading<'a> {
             [ring, patch]
         });
         let [ring, patch] = widths.unwrap_or([PLAIN_CELLS, f64::INFINITY]);
-        let division = self.path.bonded_division(self.accuracy, ring, patch);
+        let division = self.path.bonded_division(self.accuracy, end, ring, patch);
         let cell = division.cell_area().sqrt();
         self.floor = Some(FloorResolution {
             cell: cell * scene.length,

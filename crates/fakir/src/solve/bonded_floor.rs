@@ -10,7 +10,7 @@ use super::floor::FloorPoint;
 use super::floor_start::FloorPressures;
 use super::mixed::checked_floor;
 use super::newton::FLOOR_DEGREE;
-use super::path::Path;
+use super::path::{End, Path};
 use super::rules::bonded_floor::{BondedFloor, FloorStation};
 use super::rules::floor::FloorCells;
 use super::rules::floor_fronts::{FloorFronts, FloorMove};
@@ -264,16 +264,31 @@ impl Path<'_> {
         Some(FloorLoad::new(cells.loaded_cells(), pressures.collect()))
     }
 
-    /// The division of the floor for a detached ring of this width and a first patch of this radius, as fine as computing time permits; the
-    /// cells are larger by the approximate factor of the variation.
-    pub(super) fn bonded_division(&self, accuracy: Accuracy, ring: f64, patch: f64) -> Division {
+    /// The division of the floor for a detached ring of this width and a first patch of this radius, as fine as computing time permits up to the
+    /// end of a loading; the cells are larger by the approximate factor of the variation.
+    pub(super) fn bonded_division(
+        &self,
+        accuracy: Accuracy,
+        end: End,
+        ring: f64,
+        patch: f64,
+    ) -> Division {
         let (cells, points) = match accuracy {
             Accuracy::Default => (1.0, 1.0),
             Accuracy::Accurate => (ACCURATE_CELLS, ACCURATE_CELLS.powi(-2)),
         };
         let field = &self.scene.field;
         let shortest = field.shortest_distance();
-        let radius = self.reach() + field.spacing();
+        // Beyond the last pillars nothing but the floor stops the lens: the contact is that of Hertz at the depth below the floor.
+        let beyond = match (end, field.extent()) {
+            (End::Indentation(indentation), Some(_)) if self.scene.lens.is_axisymmetric() => {
+                let depth = (indentation - self.scene.height).max(0.0);
+                let radius = self.scene.lens.distance_of_rise(0.5 * depth);
+                radius.map_or(0.0, |radius| radius + WIDER_LOADING * field.spacing())
+            }
+            _ => 0.0,
+        };
+        let radius = (self.reach() + field.spacing()).max(beyond);
         let extent = PillarExtent::new(&self.sites, radius, field.pillar_grid().is_some());
         let limit = self.run.memory_limit() as f64;
         let fewest = FEWEST_HALVES as usize;
@@ -312,7 +327,7 @@ mod tests {
         PillarPattern, System,
     };
     use crate::solve::linearized::Source;
-    use crate::solve::path::{End, Energies, FixedQuantity, Stop};
+    use crate::solve::path::{Energies, FixedQuantity, Stop};
     use crate::solve::rules::floor_fronts::tests::tables;
     use crate::solve::rules::fronts::{Domain, Fronts, Works};
     use crate::state::{Run, Termination};
@@ -990,8 +1005,12 @@ mod tests {
         };
         let critical = path.indentation();
         // The cells required by the ring of 4 um at this work of adhesion.
-        let division =
-            path.bonded_division(Accuracy::Default, 4.0e-6 / scene.length, f64::INFINITY);
+        let division = path.bonded_division(
+            Accuracy::Default,
+            End::Floor,
+            4.0e-6 / scene.length,
+            f64::INFINITY,
+        );
         path.attach_floor(lowest, division, 2.0 * scene.field.spacing())
             .unwrap();
         // At this work of adhesion, jump-in ends on a barrier between rings of holes: 36 filled holes and 0.3089 mN, or 24 and 0.333 mN at
