@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import AnyLens, Substrate, lens_of, refuse_layers
+from ._bodies import AnyLens, Substrate, layer_numbers, layer_options, lens_of
 from ._cycle import Adhesion, Drive, checked_plan
 from ._floor import FloorContact
 from ._format import Row, engineering
@@ -34,7 +34,8 @@ def _bodies_of(system: _fakir.Asperities) -> tuple[AnyLens | Plate, Substrate]:
     """The indenter and the substrate for these numbers."""
     lens = system.lens
     indenter = Plate(*(system.plate or [])) if lens is None else lens_of(lens)
-    return indenter, Substrate(*system.substrate)
+    film, _ = system.layers
+    return indenter, Substrate(*system.substrate, **layer_options(film))
 
 
 class AsperityArray(Viscoelastic):
@@ -51,7 +52,7 @@ class AsperityArray(Viscoelastic):
     indenter
         A `Lens` or a lens of another shape, or a plate: `fakir.bem.Plate`.
     substrate
-        The elastic half-space that the tops belong to.
+        The elastic half-space that the tops belong to, or a film.
     diameter
         Diameter of each pillar (m): an array, or one value for all. Without it the tops are asperities of the half-space, which
         end at the floor.
@@ -104,7 +105,6 @@ class AsperityArray(Viscoelastic):
         accuracy: Literal["default", "accurate"] = "default",
         adhesion: Adhesion | Quantity | None = None,
     ) -> None:
-        refuse_layers(indenter, substrate)
         works = None
         if adhesion is not None:
             given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
@@ -146,6 +146,7 @@ class AsperityArray(Viscoelastic):
                 lens,
                 plate,
                 [substrate.young_modulus, substrate.poisson_ratio],
+                [layer_numbers(substrate), layer_numbers(indenter)],
                 compliance == "column",
                 accuracy == "accurate",
                 works,

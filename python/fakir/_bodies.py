@@ -143,13 +143,6 @@ def layer_options(layer: LayerNumbers | None) -> LayerOptions:
             return {"thickness": thickness}
 
 
-def refuse_layers(lens: object, substrate: Substrate) -> None:
-    """Raises an error unless both bodies are half-spaces."""
-    for part, body in (("lens", lens), ("substrate", substrate)):
-        if isinstance(body, _Body) and body.thickness is not None:
-            raise ValueError(f"{part}.thickness is not known here: leave it out")
-
-
 @dataclass(frozen=True, init=False)
 class RoundLens(_Body):
     """Common base of lenses with a radius."""

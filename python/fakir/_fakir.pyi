@@ -348,6 +348,7 @@ class Asperities:
         lens: tuple[list[tuple[str, float]], list[tuple[str, str]]] | None,
         plate: Sequence[float] | None,
         substrate: Sequence[float],
+        layers: Sequence[tuple[float, str, Sequence[float] | None] | None],
         column: bool,
         accurate: bool,
         adhesion: tuple[float, float | None] | None,
@@ -372,6 +373,8 @@ class Asperities:
     def adhesion(self) -> tuple[float, float | None] | None: ...
     @property
     def substrate(self) -> list[float]: ...
+    @property
+    def layers(self) -> list[tuple[float, str, list[float] | None] | None]: ...
 
 @final
 class AsperityContact(Answer):

@@ -279,5 +279,29 @@ def test_bodies_of_a_height_map_can_have_a_thickness() -> None:
         width = "60 um"
     """
     assert fakir.bem.Surface.from_toml(case).substrate == thin
-    with pytest.raises(ValueError, match="thickness is not known here"):
-        fakir.AsperityArray([0.0], [0.0], "1 um", "0.5 mm", lens, thin)
+
+
+def test_bodies_of_rounded_tops_can_have_a_thickness(tmp_path) -> None:
+    """A film on glass is stiffer than a half-space, and case files keep both bodies."""
+    thick = fakir.Lens("1 mm", "2 MPa", 0.5, thickness="80 um", base="frictionless")
+    thin = fakir.Substrate("2 MPa", 0.5, thickness="20 um")
+    same = fakir.Substrate("2 MPa", 0.5, thickness="20 um", base=fakir.ElasticBase("2 MPa", 0.5))
+    half_space = fakir.Substrate("2 MPa", 0.5)
+
+    def tops(substrate: fakir.Substrate, lens: fakir.Lens = thick) -> fakir.AsperityArray:
+        found = fakir.AsperityArray([0.0, 3e-5], [0.0, 0.0], "1 um", "0.5 mm", lens, substrate)
+        assert (found.indenter, found.substrate) == (lens, substrate)
+        return found
+
+    def force(substrate: fakir.Substrate) -> float:
+        return tops(substrate).press(indentation="0.2 um").force
+
+    assert force(thin) > 1.05 * force(half_space)
+    # A film on a half-space of the same material is a half-space.
+    assert abs(force(same) / force(half_space) - 1.0) < 1e-9
+    on_film = tops(thin)
+    on_film.to_csv(tmp_path / "pillars.csv")
+    (tmp_path / "case.toml").write_text(on_film.to_toml())
+    read = fakir.AsperityArray.from_file(tmp_path / "case.toml")
+    assert (read.indenter, read.substrate) == (thick, thin)
+    assert read.press(indentation="0.2 um").force == on_film.press(indentation="0.2 um").force

@@ -1,6 +1,6 @@
 //! Cases whose pillars have rounded tops.
 
-use crate::case::{Spacing, bounds_beside, write_toml};
+use crate::case::{Spacing, bounds_beside, lower, write_toml};
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
@@ -9,7 +9,7 @@ use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
     Accuracy, Asperity, AsperityArray, FloorModel, Indenter, InvalidAsperities, InvalidQuantity,
-    LensForm, Material, PillarCompliance, PlaneLattice, Point, Question, ShapedLens, Solver,
+    Layer, LensForm, Material, PillarCompliance, PlaneLattice, Point, Question, ShapedLens, Solver,
 };
 use std::f64::consts::PI;
 use std::ops::Bound;
@@ -60,7 +60,7 @@ impl AsperityCase {
         compliance: PillarCompliance,
         lens: Vec<(Key, Setting)>,
     ) -> Result<Self, InvalidAsperities> {
-        let lens = match field.indenter() {
+        let mut lens = match field.indenter() {
             Indenter::Lens(_) => lens,
             Indenter::Flat(_) => Vec::new(),
         };
@@ -115,6 +115,21 @@ impl AsperityCase {
                 .filter(|key| [Part::Interactions, Part::InteractionsOnFloor].contains(&key.part()))
                 .filter(|key| !(key.row().unwritten)(&parts)),
         );
+        // The layer of a lens is among its keys.
+        let [film, of_indenter] = field.layers();
+        parts.substrate_layer.set(film);
+        parts.lens_layer.set(of_indenter);
+        lens.retain(|(key, _)| !key.is_of_layers());
+        for key in Key::ALL.into_iter().filter(|key| key.is_of_layers()) {
+            if (key.row().unwritten)(&parts) || key.idle_with(&mut parts).is_some() {
+                continue;
+            }
+            if key.table() == "lens" && field.indenter().lens().is_some() {
+                lens.push((key, key.get(&mut parts)));
+            } else {
+                keys.push(key);
+            }
+        }
         let of_keys = keys.into_iter().map(|key| (key, key.get(&mut parts)));
         let given: Vec<(Key, Setting)> = of_keys.chain(lens.iter().cloned()).collect();
         let settings = given.iter().map(|(key, value)| (*key, key.written(value)));
@@ -186,11 +201,26 @@ impl AsperityCase {
     /// Smallest and largest valid number of a key for fixed values of all other keys, in SI units.
     #[must_use]
     pub fn allowed(&self, key: Key) -> (Bound<f64>, Bound<f64>) {
-        bounds_beside(
+        let (mut least, mut greatest) = bounds_beside(
             key,
             |other| self.number(other),
             |other| self.given_number(other),
-        )
+        );
+        // A layer is at least as thick as a quarter of the widest pillar.
+        let tops = self.field.asperities().iter();
+        let widest = tops.filter_map(|top| top.rim_radius).fold(0.0, f64::max);
+        match key {
+            Key::SubstrateThickness | Key::LensThickness if widest > 0.0 => {
+                least = Bound::Included(0.5 * widest);
+            }
+            Key::PillarDiameter => {
+                for layer in self.field.layers().into_iter().flatten() {
+                    greatest = lower(greatest, Some(4.0 * layer.thickness));
+                }
+            }
+            _ => {}
+        }
+        (least, greatest)
     }
 
     /// The finite lattice of the pillars, with their scatter; `None` for listed pillars.
@@ -271,7 +301,11 @@ impl AsperityCase {
             asperities.collect(),
         )?
         .with_interactions(*raised.interactions())?;
-        let field = above_floor(field.with_adhesion(raised.adhesion())?, self.height)?;
+        let [film, of_indenter] = raised.layers().map(Option::<&Layer>::copied);
+        let field = field
+            .with_adhesion(raised.adhesion())?
+            .with_layers(film, of_indenter)?;
+        let field = above_floor(field, self.height)?;
         let field = field.with_floor_model(self.field.floor_model());
         Ok(Self {
             field,
@@ -335,6 +369,7 @@ impl CaseFile {
         }
         self.check_common_pillar()?;
         self.refuse_with_rounded(&parts)?;
+        self.check_bases(&parts)?;
         self.relaxation_of(&parts)?;
         let adhesion = self.adhesion(&parts);
         if adhesion.work_receding.is_some() {
@@ -409,6 +444,9 @@ impl CaseFile {
         };
         let field = field
             .with_adhesion(adhesion)
+            .and_then(|field| {
+                field.with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
+            })
             .and_then(|field| above_floor(field, height))
             .map_err(|invalid| self.impossible(&invalid))?
             .with_floor_model(parts.pattern.floor);

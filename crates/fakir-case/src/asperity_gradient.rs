@@ -132,6 +132,14 @@ impl AsperityCase {
         if !self.field.adhesion().is_none() {
             quantities.push((Quantity::WorkOfAdhesion, of.work_of_adhesion));
         }
+        // Moduli of bodies are there already: on layers they also share the compliance between the bodies.
+        for (quantity, slope) in &of.layers {
+            let known = quantities.iter_mut().find(|(known, _)| known == quantity);
+            match known {
+                Some((_, sum)) => *sum += slope,
+                None => quantities.push((*quantity, *slope)),
+            }
+        }
         let mut touched: Vec<usize> = (0..asperities.len())
             .filter(|k| contact.asperities[*k].radius > 0.0)
             .collect();

@@ -253,7 +253,7 @@ const HEADER: &str = "\
 ";
 
 /// The smaller of an upper bound and an optional inclusive bound.
-fn lower(bound: Bound<f64>, other: Option<f64>) -> Bound<f64> {
+pub(crate) fn lower(bound: Bound<f64>, other: Option<f64>) -> Bound<f64> {
     match (bound, other) {
         (Included(value) | Excluded(value), Some(other)) if value <= other => bound,
         (_, Some(other)) => Included(other),

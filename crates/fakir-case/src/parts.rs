@@ -348,7 +348,7 @@ impl ShapeParts {
 }
 
 impl LayerParts {
-    fn set(&mut self, layer: Option<&Layer>) {
+    pub(crate) fn set(&mut self, layer: Option<&Layer>) {
         let Some(Layer { thickness, base }) = layer else {
             return;
         };

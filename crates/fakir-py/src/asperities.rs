@@ -8,6 +8,7 @@ use crate::load::{load, load_or_critical, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
+use crate::surface::{LayerNumbers, layer_of, numbers_of};
 use crate::watched::{Options, watched};
 use fakir::problem::{
     Accuracy, Adhesion, Asperity, AsperityArray, Indenter, Material, PillarCompliance,
@@ -39,7 +40,7 @@ pub(crate) struct Asperities {
 #[pymethods]
 impl Asperities {
     /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` contains the numbers and words
-    /// of the keys of both bodies, `plate` modulus and Poisson's ratio, or neither for a rigid plate; `adhesion` the works of adhesion where contact is made and broken.
+    /// of the keys of both bodies, `plate` modulus and Poisson's ratio, or neither for a rigid plate; `layers` are the substrate and the indenter if they are not half-spaces, `adhesion` the works of adhesion where contact is made and broken.
     #[new]
     fn new(
         pillars: Vec<[f64; 4]>,
@@ -48,6 +49,7 @@ impl Asperities {
         lens: Option<BodySettings>,
         plate: Option<[f64; 2]>,
         substrate: [f64; 2],
+        layers: [Option<LayerNumbers>; 2],
         column: bool,
         accurate: bool,
         adhesion: Option<(f64, Option<f64>)>,
@@ -69,6 +71,8 @@ impl Asperities {
         let asperities = pillars.into_iter().map(asperity).collect();
         let field =
             AsperityArray::new(indenter, material(substrate), asperities).map_err(value_error)?;
+        let [film, of_indenter] = layers.map(|layer| layer.map(layer_of));
+        let field = field.with_layers(film, of_indenter).map_err(value_error)?;
         let field = match adhesion {
             Some((work, work_receding)) => field
                 .with_adhesion(Adhesion {
@@ -180,6 +184,12 @@ impl Asperities {
     fn substrate(&self) -> [f64; 2] {
         let material = self.case.field.substrate();
         [material.young_modulus, material.poisson_ratio]
+    }
+
+    /// The substrate and the indenter as layers; `None` for half-spaces.
+    #[getter]
+    fn layers(&self) -> [Option<LayerNumbers>; 2] {
+        (self.case.field.layers()).map(|layer| layer.map(numbers_of))
     }
 }
 

@@ -193,9 +193,9 @@ impl Surface {
 }
 
 /// Thickness (m), condition at the back, and modulus and Poisson's ratio of an elastic base.
-type LayerNumbers = (f64, String, Option<[f64; 2]>);
+pub(crate) type LayerNumbers = (f64, String, Option<[f64; 2]>);
 
-fn layer_of((thickness, base, material): LayerNumbers) -> Layer {
+pub(crate) fn layer_of((thickness, base, material): LayerNumbers) -> Layer {
     let base = match (base.as_str(), material) {
         ("elastic", Some([modulus, ratio])) => Base::Elastic(Material::new(modulus, ratio)),
         ("frictionless", _) => Base::Frictionless,
@@ -204,7 +204,7 @@ fn layer_of((thickness, base, material): LayerNumbers) -> Layer {
     Layer { thickness, base }
 }
 
-fn numbers_of(layer: &Layer) -> LayerNumbers {
+pub(crate) fn numbers_of(layer: &Layer) -> LayerNumbers {
     let (base, material) = match layer.base {
         Base::Rigid => ("rigid", None),
         Base::Frictionless => ("frictionless", None),

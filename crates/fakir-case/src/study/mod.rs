@@ -81,6 +81,7 @@ impl StudyFile {
                 }
                 AnyCase::Asperities(case) => {
                     adhesive |= !case.field.adhesion().is_none();
+                    layered |= case.field.has_layers();
                     rounded = rounded.or(Some(case));
                 }
                 AnyCase::Flat(case) => {

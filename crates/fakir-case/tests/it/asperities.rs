@@ -1,6 +1,6 @@
 //! Cases with rounded pillar tops.
 
-use fakir::problem::{Accuracy, Indenter, PillarCompliance, ShapedLens};
+use fakir::problem::{Accuracy, Base, Indenter, Material, PillarCompliance, ShapedLens};
 use fakir_case::{AsperityCase, CaseFile};
 
 const PLATE: &str = r#"
@@ -226,6 +226,39 @@ fn lenses_of_every_shape_are_read_and_written() {
             let table = text.split("[substrate]").next().unwrap();
             assert_eq!(table.contains(&format!("\n{key}")), given, "{key}: {text}");
         }
+    }
+}
+
+/// Both bodies can be layers, also those of a case made of an array; a base without a thickness is refused.
+#[test]
+fn layers_are_those_of_the_keys() {
+    let substrate = "thickness = \"0.4 mm\"\nbase = \"elastic\"\nbase_young_modulus = \"3 MPa\"\nbase_poisson_ratio = 0.3\n";
+    let of = |lens: &str| {
+        let bodies = format!(
+            "young_modulus = \"70 GPa\"\npoisson_ratio = 0.22\nthickness = \"2 mm\"\nbase = \"frictionless\"\n[substrate]\nyoung_modulus = \"1.5 MPa\"\npoisson_ratio = 0.5\n{substrate}"
+        );
+        rounded(&format!("[lens]\n{lens}{bodies}{SITES}"))
+    };
+    for lens in ["radius = \"9 mm\"\n", "shape = \"plate\"\n"] {
+        let case = of(lens);
+        let [film, of_lens] = case.field.layers().map(Option::unwrap);
+        assert_eq!([film.thickness, of_lens.thickness], [0.4e-3, 2e-3]);
+        assert_eq!(of_lens.base, Base::Frictionless);
+        let soft = Material::new(3e6, 0.3);
+        assert_eq!(film.base, Base::Elastic(soft));
+        assert_eq!(rounded(&case.to_toml()).field, case.field);
+        let made = AsperityCase::new(
+            case.field.clone(),
+            case.accuracy,
+            case.height,
+            PillarCompliance::None,
+            case.lens_settings().to_vec(),
+        );
+        let made = made.unwrap();
+        assert_eq!(made.field.layers(), case.field.layers());
+        let text = made.to_toml();
+        assert_eq!(text.matches("\nthickness = ").count(), 2, "{text}");
+        assert_eq!(text.matches("\nbase_young_modulus = ").count(), 1);
     }
 }
 

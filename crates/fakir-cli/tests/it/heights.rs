@@ -622,21 +622,41 @@ fn every_other_command_refuses_rounded_tops() {
     }
     let sweep = bench.run(&["sweep", "study.toml"]);
     assert_ne!(sweep.status, Some(0), "{} {}", sweep.stdout, sweep.stderr);
-    for (option, message) in [
-        (
-            &["--attraction-range", "5nm"][..],
-            "--attraction-range needs adhesive pillar tops",
-        ),
-        (
-            &["--set", "substrate.thickness=1mm"],
-            "the response of a half-space",
-        ),
-    ] {
-        let press = ["press", "case.toml", "--force", "1mN"];
-        let outcome = bench.run(&[&press[..], option].concat());
-        assert_eq!(outcome.status, Some(2), "{option:?}");
-        assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
-    }
+    let option = ["--attraction-range", "5nm"];
+    let outcome = bench.run(&[&["press", "case.toml", "--force", "1mN"][..], &option].concat());
+    assert_eq!(outcome.status, Some(2), "{option:?}");
+    let message = "--attraction-range needs adhesive pillar tops";
+    assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
+}
+
+/// A film on glass is stiffer than a half-space; results contain its limits and derivatives, and boundary elements agree.
+#[test]
+fn rounded_tops_on_a_film() {
+    let bench = bench();
+    let film = ["--set", "substrate.thickness=1mm", "--quiet"];
+    let load = ["--force", "20mN"];
+    let pressed = |more: &[&str]| bench.json(&[&["press", "case.toml"], &load[..], more].concat());
+    let half_space = pressed(&["--quiet"]);
+    let on_film = pressed(&[&film[..], &["--gradient"]].concat());
+    let indentation = |of: &serde_json::Value| of["indentation_m"].as_f64().unwrap();
+    assert!(indentation(&on_film) < 0.95 * indentation(&half_space));
+    let limits = on_film["limits"].as_array().unwrap();
+    let limit = limits
+        .iter()
+        .find(|limit| limit["name"] == "indentation_over_thickness");
+    let of_thickness = limit.unwrap()["value"].as_f64().unwrap();
+    assert!((of_thickness / (indentation(&on_film) / 1e-3) - 1.0).abs() < 1e-9);
+    // The exact derivative by the thickness against the difference over a hundredth.
+    let by = on_film["gradient"]["indentation_m"]["substrate.thickness"]
+        .as_f64()
+        .unwrap_or_else(|| panic!("{}", on_film["gradient"]));
+    let at = |thickness: &str| indentation(&pressed(&["--set", thickness, "--quiet"]));
+    let thicker = at("substrate.thickness=1.005mm");
+    let difference = (thicker - at("substrate.thickness=0.995mm")) / 1e-5;
+    assert!((by / difference - 1.0).abs() < 1e-3, "{by} {difference}");
+    let verified = [&["verify", "case.toml", "--cells", "16"], &load[..], &film].concat();
+    let found = bench.json(&verified);
+    assert_eq!(found["verdict"], "agree", "{found}");
 }
 
 /// Boundary elements on every top find the same contacts; adhesion has no second method.

@@ -57,6 +57,7 @@ impl Kind for AsperityCase {
         [Topic::Asperities]
             .into_iter()
             .chain(adhesive.then_some(Topic::AdhesiveAsperities))
+            .chain(self.field.has_layers().then_some(Topic::Layers))
             .chain(range.map(|_| Topic::AttractionRange))
             .collect()
     }

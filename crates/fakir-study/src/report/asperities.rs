@@ -2,7 +2,7 @@
 
 use crate::numbers::{LENGTH_DIGITS, with_unit};
 use crate::provenance::method_words;
-use crate::report::state::shape_words;
+use crate::report::state::{layers_part, shape_words};
 use fakir::problem::{Accuracy, Asperity, Indenter, Method};
 use fakir_case::AsperityCase;
 use fakir_case::unit::Dimension;
@@ -24,9 +24,10 @@ pub fn case_line(case: &AsperityCase) -> String {
         },
     };
     format!(
-        "{} rounded pillar tops, radius of curvature {}, under {indenter}",
+        "{} rounded pillar tops, radius of curvature {}, under {indenter}{}",
         asperities.len(),
-        with_unit(radius, Dimension::Length, LENGTH_DIGITS)
+        with_unit(radius, Dimension::Length, LENGTH_DIGITS),
+        layers_part(case.field.layers())
     )
 }
 

@@ -76,11 +76,12 @@ pub fn pillar_pattern_line(system: &System) -> String {
         ),
         other => format!("{} pillars, surface fraction {fraction}", other.name()),
     };
-    format!("{line}{}{}", lens_part(system), layers_part(system))
+    let layers = layers_part([system.substrate_layer(), system.lens_layer()]);
+    format!("{line}{}{layers}", lens_part(system))
 }
 
 /// Description of bodies that are not half-spaces: `, on a film 200 um thick; indentations are the approach of the backs`.
-fn layers_part(system: &System) -> String {
+pub(super) fn layers_part([substrate, lens]: [Option<&Layer>; 2]) -> String {
     let thickness = |layer: &Layer| {
         let base = match layer.base {
             Base::Frictionless => ", free to slide on its base",
@@ -93,10 +94,10 @@ fn layers_part(system: &System) -> String {
         )
     };
     let mut line = String::new();
-    if let Some(layer) = system.lens_layer() {
+    if let Some(layer) = lens {
         let _ = write!(line, ", under a layer of thickness {}", thickness(layer));
     }
-    if let Some(layer) = system.substrate_layer() {
+    if let Some(layer) = substrate {
         let _ = write!(line, ", on a film of thickness {}", thickness(layer));
     }
     if !line.is_empty() {

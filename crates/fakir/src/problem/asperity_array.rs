@@ -2,6 +2,7 @@
 
 use super::adhesion::Adhesion;
 use super::interactions::Interactions;
+use super::layer::{Body, Layer, WeightedLayer};
 use super::lens::{LensShape, Material, ShapedLens};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -68,6 +69,8 @@ pub struct AsperityArray {
     asperities: Vec<Asperity>,
     interactions: Interactions,
     adhesion: Adhesion,
+    /// The substrate and the indenter as layers.
+    layers: [Option<Layer>; 2],
     /// Depth of the floor below the reference level, m.
     floor: Option<f64>,
     /// Whether it carries load.
@@ -170,6 +173,7 @@ impl AsperityArray {
             asperities,
             interactions: Interactions::NONE,
             adhesion: Adhesion::NONE,
+            layers: [None; 2],
             floor: None,
             floor_model: FloorModel::Contact,
         })
@@ -195,6 +199,68 @@ impl AsperityArray {
             adhesion: adhesion.checked()?,
             ..self
         })
+    }
+
+    /// The same array with bodies of finite thickness, in the order substrate, indenter; those without a layer are half-spaces, and a rigid
+    /// plate has none. Indentations are then the approach of the backs of the bodies. A lens is treated as a flat layer.
+    ///
+    /// # Errors
+    /// Thicknesses and moduli of bases must be positive and finite, Poisson's ratios between 0 and 0.5, and layers at least as thick as a
+    /// quarter of the widest pillar with a rim.
+    pub fn with_layers(
+        self,
+        substrate: Option<Layer>,
+        indenter: Option<Layer>,
+    ) -> Result<Self, InvalidQuantity> {
+        let indenter = indenter.filter(|_| self.indenter.material().is_some());
+        let rims = self.asperities.iter().filter_map(|top| top.rim_radius);
+        let widest = 2.0 * rims.fold(0.0, f64::max);
+        let bodies = [
+            (substrate, Quantity::SUBSTRATE_LAYER),
+            (indenter, Quantity::LENS_LAYER),
+        ];
+        for (layer, names) in bodies {
+            let Some(layer) = layer else {
+                continue;
+            };
+            layer.check(names)?;
+            Requirement::AtLeastQuarterDiameter(widest).check(names[0], layer.thickness)?;
+        }
+        Ok(Self {
+            layers: [substrate, indenter],
+            ..self
+        })
+    }
+
+    /// The substrate and the indenter as layers; `None` for half-spaces.
+    #[must_use]
+    pub fn layers(&self) -> [Option<&Layer>; 2] {
+        self.layers.each_ref().map(Option::as_ref)
+    }
+
+    /// Whether a body is a layer.
+    #[must_use]
+    pub fn has_layers(&self) -> bool {
+        self.layers.iter().any(Option::is_some)
+    }
+
+    /// The substrate and the indenter, unless that is rigid.
+    fn bodies(&self) -> Vec<Body> {
+        let [substrate, indenter] = self.layers;
+        let of_indenter = (self.indenter.material()).map(|material| (material, indenter));
+        std::iter::once((self.substrate, substrate))
+            .chain(of_indenter)
+            .collect()
+    }
+
+    /// The layers in a unit of length (m).
+    pub(crate) fn weighted_layers(&self, unit: f64) -> Vec<WeightedLayer> {
+        WeightedLayer::among(&self.bodies(), unit)
+    }
+
+    /// [Derivatives](WeightedLayer::changes) of the correction for layers, in a unit of length (m).
+    pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
+        WeightedLayer::changes(&self.bodies(), unit)
     }
 
     /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. The

@@ -194,6 +194,7 @@ impl Feature {
             Self::TiltedPlate => lens.is_some_and(ShapedLens::is_tilted),
             Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::AdhesiveTops => !field.adhesion().is_none(),
+            Self::Layer => field.has_layers(),
             Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
         };
@@ -457,13 +458,6 @@ static RULES: &[Rule] = &[
         &[ADHESIVE_FLOOR],
         "floor contact is not computed under rounded tops with adhesion, so that the floor cannot be adhesive",
         "use adhesion of the tops only",
-    ),
-    rule(
-        ANY,
-        ASPERITIES,
-        &[LAYER],
-        "the pressure on a rounded top, whose contact may have any radius, is computed with the response of a half-space; that of a layer is tabulated for the radii of flat tops only",
-        "leave out the thicknesses, or the radius of curvature of the tops; a single rounded top on a film is a lens on a flat surface: leave the pillars out, and give the relative radius as that of the lens",
     ),
     rule(
         ANY,

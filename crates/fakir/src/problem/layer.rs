@@ -58,7 +58,7 @@ impl Layer {
 const CHANGE: f64 = 1e-5;
 
 /// A material, and a layer if the body is one.
-type Body = (Material, Option<Layer>);
+pub(super) type Body = (Material, Option<Layer>);
 
 /// A layer among the bodies in contact, in some unit of length.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,7 +83,7 @@ pub(crate) enum LayerBase {
 
 impl WeightedLayer {
     /// The layers among bodies, with lengths divided by `unit` (m). Half-spaces are omitted.
-    pub(crate) fn among(bodies: &[(Material, Option<Layer>)], unit: f64) -> Vec<Self> {
+    pub(crate) fn among(bodies: &[Body], unit: f64) -> Vec<Self> {
         let compliances = bodies.iter().map(|body| body.0.plane_strain_compliance());
         let compliance: f64 = compliances.sum();
         let layered = bodies.iter().filter_map(|(material, layer)| {
@@ -125,9 +125,9 @@ impl WeightedLayer {
         before.chain(after.into_iter().map(part(1.0))).collect()
     }
 
-    /// Derivatives of the correction for layers with respect to the quantities on which it depends, substrate and lens, in a unit of length (m): by central
+    /// Derivatives of the correction for layers with respect to the quantities on which it depends, of the substrate and of the lens if it is not rigid, in a unit of length (m): by central
     /// differences of the layers themselves, accurate to 1e-9.
-    pub(crate) fn changes(bodies: [Body; 2], unit: f64) -> Vec<(Quantity, Vec<Self>)> {
+    pub(crate) fn changes(bodies: &[Body], unit: f64) -> Vec<(Quantity, Vec<Self>)> {
         use Quantity as Q;
         if bodies.iter().all(|(_, layer)| layer.is_none()) {
             return Vec::new();
@@ -142,7 +142,7 @@ impl WeightedLayer {
             let mut add = |quantity, value: Option<f64>, set: &dyn Fn(&mut Body, f64)| {
                 let (value, width) = value.map_or((0.0, 1.0), |value| (value, value));
                 let at = |by: f64| {
-                    let mut bodies = bodies;
+                    let mut bodies = bodies.to_vec();
                     set(&mut bodies[body], value + by * width);
                     Self::among(&bodies, unit)
                 };

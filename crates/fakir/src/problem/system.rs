@@ -5,13 +5,10 @@ use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::interactions::Interactions;
 use super::lattice::HexagonalLattice;
-use super::layer::{Layer, WeightedLayer};
+use super::layer::{Body, Layer, WeightedLayer};
 use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
-
-/// A material, and a layer if the body is one.
-type Body = (Material, Option<Layer>);
 
 /// Pillars and their positions relative to the lens.
 #[derive(Debug, Clone, PartialEq)]
@@ -213,7 +210,7 @@ impl System {
 
     /// [Derivatives](WeightedLayer::changes) of the correction for layers, in a unit of length (m).
     pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
-        WeightedLayer::changes(self.bodies(), unit)
+        WeightedLayer::changes(&self.bodies(), unit)
     }
 
     /// The layers in a unit of length (m).

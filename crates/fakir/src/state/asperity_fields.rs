@@ -8,6 +8,7 @@ use super::samples::{FieldSamples, grid_points, in_batches};
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
+use crate::halfspace::layer::discs::{LayerField, around_force};
 use crate::problem::{Asperity, AsperityArray, Point};
 use std::sync::Arc;
 
@@ -28,6 +29,8 @@ pub struct AsperityFields {
     modes: usize,
     compliances: Vec<f64>,
     exterior: Exterior,
+    /// Correction for layers, in the unit of the contacts; `None` on half-spaces.
+    layers: Option<LayerField>,
     pressed: Option<FloorLoad>,
 }
 
@@ -46,17 +49,22 @@ impl AsperityContact {
             .asperities()
             .iter()
             .map(|asperity| asperity.top_radius);
+        let length = radii.fold(0.0, f64::max);
+        let around = around_force(&array.weighted_layers(length));
         (array.asperities().len() == self.asperities.len()).then(|| AsperityFields {
             forces: self.asperities.iter().map(|state| state.force).collect(),
             array: array.clone(),
             floor: -depth,
             indentation: self.indentation,
-            length: radii.fold(0.0, f64::max),
+            length,
             modes,
             compliances: compliances(degree, 0.0),
             exterior: Exterior::new(degree),
+            layers: (around.as_ref())
+                .map(|around| LayerField::of_discs(around, degree, contacts.loaded())),
             pressed: (self.floor.as_ref())
-                .map(|floor| FloorLoad::new(floor.cells.clone(), floor.pressure.clone())),
+                .map(|floor| FloorLoad::new(floor.cells.clone(), floor.pressure.clone()))
+                .map(|floor| floor.with_layers(&array.weighted_layers(1.0))),
             contacts,
         })
     }
@@ -97,7 +105,10 @@ impl AsperityFields {
                 .sum();
             sum / radius
         };
-        let by_tops = self.length * self.offsets(position).map(of_disc).sum::<f64>();
+        let layers = self.layers.as_ref();
+        let by_layers = layers.map_or(0.0, |it| it.value(position.map(|x| x / self.length)));
+        let by_tops = self.offsets(position).map(of_disc).sum::<f64>() + by_layers;
+        let by_tops = self.length * by_tops;
         let floor = self.pressed.as_ref();
         let by_floor = floor.map_or(0.0, |floor| floor.displacement(position));
         by_tops + by_floor / self.array.reduced_modulus()

@@ -4,7 +4,7 @@ use super::asperity_contact::AsperityContact;
 use super::critical::Critical;
 use super::error::SolveError;
 use super::finite::check_number;
-use crate::problem::Point;
+use crate::problem::{Point, Quantity};
 
 /// A contact with rounded tops at a load, or the critical state, with its exact derivatives: those of the discrete solution, for the same
 /// asperities in contact. They are valid up to the next load at which a contact begins or ends.
@@ -50,6 +50,9 @@ pub struct AsperityDerivatives {
     pub work_of_adhesion: f64,
     /// With respect to the depth of the floor; zero unless the load is that of the floor contact.
     pub floor: f64,
+    /// With respect to the quantities on which the response of layers relative to that of half-spaces depends, at a fixed reduced modulus;
+    /// empty for half-spaces. Moduli and Poisson's ratios of the bodies are among them, as they share the compliance between the bodies.
+    pub layers: Vec<(Quantity, f64)>,
 }
 
 impl AsperityDerivatives {
@@ -60,7 +63,11 @@ impl AsperityDerivatives {
             pairs.map(|(one, two)| one + factor * two).collect()
         };
         let places = self.apex.iter().zip(&other.apex);
+        let of_layers = self.layers.iter().zip(&other.layers);
         Self {
+            layers: of_layers
+                .map(|((quantity, one), (_, two))| (*quantity, one + factor * two))
+                .collect(),
             apex: places
                 .map(|(one, two)| [0, 1].map(|k| one[k] + factor * two[k]))
                 .collect(),
@@ -95,7 +102,8 @@ impl AsperityDerivatives {
             &mut self.floor,
         ];
         let places = self.apex.iter_mut().flatten();
-        for value in lists.chain(numbers).chain(places) {
+        let of_layers = self.layers.iter_mut().map(|(_, value)| value);
+        for value in lists.chain(numbers).chain(places).chain(of_layers) {
             check_number("gradient", value)?;
         }
         Ok(())

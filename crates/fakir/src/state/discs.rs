@@ -64,6 +64,14 @@ impl Contacts {
         }
     }
 
+    /// Centre, radius and moments of every disc.
+    pub(crate) fn loaded(&self) -> impl Iterator<Item = ((Point, f64), &[f64])> {
+        let modes = self.moments.len() / self.discs.len().max(1);
+        let moments = self.moments.chunks_exact(modes.max(1));
+        let discs = self.discs.iter().zip(moments);
+        discs.map(|(disc, moments)| ((disc.centre, disc.radius), moments))
+    }
+
     pub(crate) fn largest_radius(&self) -> f64 {
         self.discs
             .iter()

@@ -217,6 +217,7 @@ impl AsperityContact {
     ///   otherwise on the contact.
     /// * `buckling`: force on a pillar that shortens as a column, divided by its buckling force, as on flat tops.
     /// * `tabor_number`, with adhesion and a range of the attraction.
+    /// * For bodies of finite thickness, the values for contacts with flat tops, except those relative to the pillar diameter.
     #[must_use]
     pub fn limits(&self, array: &AsperityArray, range: Option<f64>) -> Vec<Limit> {
         let pairs = || array.asperities().iter().zip(&self.asperities);
@@ -264,6 +265,10 @@ impl AsperityContact {
                 SMALLEST_TABOR_NUMBER,
             ));
         }
+        let sphere = array.indenter().lens().and_then(ShapedLens::sphere);
+        let sphere = sphere.map(|sphere| sphere.radius);
+        let (radius, depth) = (self.contact_radius, self.indentation);
+        limits.extend(of_layers(array.layers(), sphere, radius, depth));
         // Removes values that overflow for extremely small loads.
         limits.retain(|limit| limit.value.is_finite());
         limits

@@ -9,6 +9,7 @@ mod asperities;
 mod asperity_fields;
 mod asperity_floor;
 mod asperity_gradient;
+mod asperity_layers;
 mod asperity_lenses;
 mod asperity_transition;
 mod common;

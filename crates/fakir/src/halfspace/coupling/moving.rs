@@ -2,11 +2,15 @@
 //!
 //! The series are those of [`pair`](super::pair). The derivatives of Appell's function are functions of the same kind:
 //! `dF4/dx = (A B/c) F4(A + 1, B + 1; c + 1, c')` (NIST Digital Library of Mathematical Functions, 16.14). The coefficients of the
-//! recurrences depend on the modes alone and are stored, so that all series of a pair are summed together.
+//! recurrences depend on the modes alone and are stored, so that all series of a pair are summed together. On layers a smooth
+//! [correction](crate::halfspace::layer::discs) is added, which also acts between a disc and itself.
 
 use super::pair::{Angles, Entry, SERIES_TOLERANCE, Series, step};
 use crate::halfspace::disc::basis::{Mode, modes};
+use crate::halfspace::layer::discs::LayeredDiscs;
+use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::vector::widest;
+use std::sync::Arc;
 
 /// Number of terms between convergence checks.
 const LOOK: usize = 3;
@@ -45,6 +49,8 @@ pub(crate) struct MovingPair {
     /// For every term, the factors of `x + y`, `y - x` and `(y - x)^2` in its recurrence: of all series, then of all their first
     /// derivatives, then of the second derivatives.
     terms: Vec<Vec<[f64; 3]>>,
+    /// Correction for layers; `None` on half-spaces.
+    layers: Option<LayeredDiscs>,
 }
 
 impl MovingPair {
@@ -75,7 +81,14 @@ impl MovingPair {
             series,
             entries,
             terms: Vec::new(),
+            layers: None,
         }
+    }
+
+    /// The same on layers, with the correction around a force on them.
+    pub(crate) fn on_layers(self, around: Option<&Arc<AroundForce>>) -> Self {
+        let layers = around.map(|around| LayeredDiscs::new(Arc::clone(around), self.degree));
+        Self { layers, ..self }
     }
 
     pub(crate) fn modes(&self) -> &[Mode] {
@@ -159,6 +172,26 @@ impl MovingPair {
             block.slopes[2][place] = jet[1] / receiver;
             block.slopes[3][place] = jet[2] / source;
         }
+        if let Some(layers) = &self.layers {
+            let radii = [receiver, source];
+            layers.add([x, y], radii, &mut block.value, &mut block.slopes);
+        }
+    }
+
+    /// Computes the effect of a disc on itself due to layers: the block, and its derivative with respect to the radius in the third of the
+    /// slopes. Returns whether there are layers.
+    pub(crate) fn fill_own(&self, radius: f64, block: &mut PairBlock) -> bool {
+        let Some(layers) = &self.layers else {
+            return false;
+        };
+        block.value.fill(0.0);
+        block.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
+        layers.add([0.0; 2], [radius; 2], &mut block.value, &mut block.slopes);
+        let [.., of_receiver, of_source] = &mut block.slopes;
+        for (own, other) in of_receiver.iter_mut().zip(of_source) {
+            *own += *other;
+        }
+        true
     }
 
     /// Sums the series and their derivatives, for radii divided by the distance.
@@ -238,10 +271,53 @@ mod tests {
         }
     }
 
+    /// Compares with the static blocks of `pair` on a film, which are integrals over wave numbers, also between a disc and itself.
+    #[test]
+    fn blocks_on_layers() {
+        let film = crate::halfspace::layer::tests::film();
+        let around = crate::halfspace::layer::discs::around_force(&[film]);
+        for (degree, offset) in [(2, [2.6, 0.9]), (4, [-7.0, 3.1])] {
+            let mut moving = MovingPair::new(degree).on_layers(around.as_ref());
+            moving.prepare(0.8);
+            let mut found = moving.workspace();
+            moving.fill(offset, [1.0; 2], &mut found);
+            let still = PairCoupling::new(degree, 4.0).with_layers(&[film]);
+            let mut expected = vec![0.0; found.value.len()];
+            still.block_of(offset, [1.0; 2], &mut expected);
+            let agree = |found: &[f64], expected: &[f64]| {
+                for (found, expected) in found.iter().zip(expected) {
+                    let off = (found - expected).abs();
+                    assert!(off < 1e-9, "{degree}: {found} {expected}");
+                }
+            };
+            agree(&found.value, &expected);
+            assert!(moving.fill_own(1.0, &mut found));
+            agree(&found.value, &still.own_block(1.0).unwrap());
+            let by_radius = found.slopes[2].clone();
+            let at = |radius: f64| {
+                let mut block = moving.workspace();
+                moving.fill_own(radius, &mut block);
+                block.value
+            };
+            let step = 1e-4;
+            let (above, below) = (at(1.0 + step), at(1.0 - step));
+            for (place, slope) in by_radius.iter().enumerate() {
+                let expected = (above[place] - below[place]) / (2.0 * step);
+                assert!((slope - expected).abs() < 1e-7, "{slope} {expected}");
+            }
+        }
+    }
+
     #[test]
     fn slopes_are_those_of_central_differences() {
-        for (degree, offset, radii) in [(2, [1.9, 0.6], [1.0, 0.7]), (5, [-1.6, 1.4], [0.5, 1.1])] {
-            let mut moving = MovingPair::new(degree);
+        let film = crate::halfspace::layer::tests::film();
+        let around = crate::halfspace::layer::discs::around_force(&[film]);
+        for (degree, offset, radii, around) in [
+            (2, [1.9, 0.6], [1.0, 0.7], None),
+            (5, [-1.6, 1.4], [0.5, 1.1], None),
+            (2, [1.9, 0.6], [1.0, 0.7], around.as_ref()),
+        ] {
+            let mut moving = MovingPair::new(degree).on_layers(around);
             moving.prepare(0.95);
             let mut block = moving.workspace();
             moving.fill(offset, radii, &mut block);

@@ -55,6 +55,20 @@ impl AroundForce {
         value[0]
     }
 
+    /// The value at a distance, and its derivative divided by the distance.
+    pub(crate) fn value_and_slope(&self, distance: f64) -> [f64; 2] {
+        let [mut value, mut first, mut second] = [[0.0]; 3];
+        let jets = [&mut value[..], &mut first, &mut second];
+        self.table.jets(distance, jets);
+        // f'/r; at the force itself the field is a paraboloid.
+        let slope = if distance > 0.0 {
+            first[0] / distance
+        } else {
+            second[0]
+        };
+        [value[0], slope]
+    }
+
     /// The value at a distance and its Laplacian.
     pub(crate) fn value_and_laplacian(&self, distance: f64) -> [f64; 2] {
         let [mut value, mut first, mut second] = [[0.0]; 3];

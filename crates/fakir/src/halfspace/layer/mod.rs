@@ -9,6 +9,7 @@
 //! `phi` of layers on a rigid base: W. C. Hayes, L. M. Keer, G. Herrmann, L. F. Mockros, J. Biomech. 5, 541 (1972), and K. L. Johnson,
 //! Contact Mechanics, section 5.8; on an elastic one: D. M. Burmister, J. Appl. Phys. 16, 89 (1945).
 
+pub(crate) mod discs;
 pub(crate) mod force;
 pub(crate) mod response;
 pub(crate) mod table;

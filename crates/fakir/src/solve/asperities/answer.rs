@@ -6,8 +6,10 @@ use super::follow::{Ended, Here, Path, Stop};
 use super::load::{Layout, Shape};
 use super::newton::{self, Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
+use crate::halfspace::layer::discs::around_force;
 use crate::numerics::convergence::larger;
 use crate::numerics::dense::Lu;
+use crate::problem::layer::WeightedLayer;
 use crate::problem::load::Prescribed;
 use crate::problem::{Accuracy, Asperity, AsperityArray, Load, Quantity, Requirement};
 use crate::state::asperity_contact::{
@@ -67,6 +69,8 @@ impl Units {
 /// Data shared by all contacts of an asperity array.
 pub(super) struct Bench {
     pub(super) layout: Layout,
+    /// The bodies that are layers, in the unit of length.
+    pub(super) layers: Vec<WeightedLayer>,
     pub(super) units: Units,
 }
 
@@ -91,8 +95,10 @@ impl Bench {
         let shape = Shape(lens.map(|lens| lens.in_unit(units.length)));
         let work = field.adhesion().work / (units.pressure * units.length);
         let asperities = field.asperities().iter().map(scaled).collect();
+        let layers = field.weighted_layers(units.length);
         Self {
-            layout: Layout::new(asperities, shape, work),
+            layout: Layout::new(asperities, shape, work).on_layers(around_force(&layers)),
+            layers,
             units,
         }
     }

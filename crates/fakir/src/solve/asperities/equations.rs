@@ -1,7 +1,8 @@
 //! Equations of contacts with variable position and radius, and their derivatives.
 //!
 //! For disc `n` with load coefficients `b_n` of the undeformed overlap: `S_n m_n + sum_k C_nk m_k = b_n + zeta b1`, with the conditions on
-//! the [edges](super::edge). `S = lambda/r`; the column adds `2 pi K` to the mean.
+//! the [edges](super::edge). `S = lambda/r`; the column adds `2 pi K` to the mean, and layers their smooth correction to all `C_nk`, which then
+//! include `C_nn`.
 
 use super::edge::Edge;
 use super::load::{DiscLoad, FloorForces, Jet, Layout, LoadRule};
@@ -36,7 +37,7 @@ pub(crate) struct Linearised {
 
 impl<'a> Equations<'a> {
     pub(crate) fn new(layout: &'a Layout, degree: usize) -> Self {
-        let pair = MovingPair::new(degree);
+        let pair = MovingPair::new(degree).on_layers(layout.layers.as_ref());
         let eigenvalues = pair.modes().iter();
         let eigenvalues = eigenvalues.map(|mode| eigenvalue(mode.degree, mode.order));
         Self {
@@ -184,8 +185,23 @@ impl<'a> Equations<'a> {
         }
         for number in 0..count {
             columns.fill(0.0);
+            if self
+                .pair
+                .fill_own(contacts.discs[number].radius, &mut block)
+            {
+                let acting = moments(number);
+                for row in 0..size {
+                    let place = number * size + row;
+                    for (column, moment) in acting.iter().enumerate() {
+                        let at = row * size + column;
+                        columns[column * size + row] = block.value[at];
+                        missing[place] += block.value[at] * moment;
+                        own[place][2] += block.slopes[2][at] * moment;
+                    }
+                }
+            }
             for row in 0..size {
-                columns[row * size + row] = self.own_compliance(contacts, number, row);
+                columns[row * size + row] += self.own_compliance(contacts, number, row);
                 for (k, slope) in geometry.iter_mut().enumerate() {
                     slope[row] = own[number * size + row][k];
                 }

@@ -8,13 +8,17 @@
 //! The indentation `z` of the critical state satisfies `h + f(x) + w(x) = z` at the point `x` of the floor that is nearest to the lens, with the
 //! shape `f` of the lens and the displacement `w` of the floor, a result of the contacts like the force. As the gap is the smallest one, its
 //! position changes it to second order only.
+//!
+//! Quantities of layers change the displacement of the surface at fixed contacts, which is evaluated at the points of the load of every contact.
 
 use super::answer::{Bench, degree};
 use super::equations::Equations;
 use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::halfspace::layer::discs::{LayerField, around_force};
 use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::vector::dot;
-use crate::problem::{Accuracy, AsperityArray, Load, Point};
+use crate::problem::layer::WeightedLayer;
+use crate::problem::{Accuracy, AsperityArray, Load, Point, Quantity};
 use crate::state::asperity_contact::AsperityContact;
 use crate::state::asperity_gradient::{AsperityDerivatives, AsperityGradient};
 use crate::state::discs::{Contacts, Hold};
@@ -98,6 +102,9 @@ struct Derived {
     grip: f64,
 }
 
+/// A quantity of layers, and the derivative of the displacement at fixed contacts.
+type LayerChange = (Quantity, LayerField);
+
 /// The linearised equations of a contact.
 struct Linear<'a, 'e> {
     equations: &'a Equations<'e>,
@@ -105,6 +112,7 @@ struct Linear<'a, 'e> {
     factors: Lu,
     /// Derivatives of the residual with respect to position, radius and first moment of every disc.
     unconstrained: Matrix,
+    layers: Vec<LayerChange>,
 }
 
 impl Linear<'_, '_> {
@@ -136,6 +144,9 @@ impl Linear<'_, '_> {
             reduced_modulus: 0.0,
             work_of_adhesion: 0.0,
             floor: 0.0,
+            layers: (self.layers.iter())
+                .map(|(quantity, _)| (*quantity, 0.0))
+                .collect(),
         };
         let (mut indentation, mut grip) = (0.0, 0.0);
         for (number, disc) in contacts.discs.iter().enumerate() {
@@ -174,6 +185,9 @@ impl Linear<'_, '_> {
             all.apex[disc.asperity] = apex;
             if let Some(lens) = &layout.shape.0 {
                 all.lens_radius -= along(&|point| lens.by_radius(point));
+            }
+            for ((_, sum), (_, change)) in all.layers.iter_mut().zip(&self.layers) {
+                *sum -= along(&|point| change.value(point));
             }
             let by_moment = scalar.moments[number * size] - column(3);
             grip += by_moment * equations.edge.moment_by_grip(disc);
@@ -224,6 +238,9 @@ impl Bench {
                 0.0
             },
             floor: of.floor * unit / length,
+            layers: (of.layers.iter())
+                .map(|(quantity, slope)| (*quantity, slope * unit))
+                .collect(),
         }
     }
 }
@@ -296,6 +313,7 @@ impl AsperityArray {
             contacts,
             factors: Lu::new(linearised.matrix),
             unconstrained,
+            layers: bench.layer_changes(self, &equations, contacts),
         };
         let units = bench.units;
         let of_force = linear.derived(&Scalar::force(&equations, contacts));
@@ -313,6 +331,8 @@ impl AsperityArray {
                 let by_shape = lens.map_or(0.0, |lens| lens.by_radius(at));
                 of_floor.asperities.lens_radius += by_shape;
                 of_floor.asperities.floor = 1.0;
+                let changes = of_floor.asperities.layers.iter_mut().zip(&linear.layers);
+                changes.for_each(|((_, slope), (_, change))| *slope += change.value(at));
                 let rest = 1.0 - of_floor.indentation;
                 let found = bench.in_si(&of_floor, units.length, 0.0);
                 Some(found.times(rest.recip()))
@@ -339,6 +359,22 @@ impl AsperityArray {
 }
 
 impl Bench {
+    fn layer_changes(
+        &self,
+        array: &AsperityArray,
+        equations: &Equations<'_>,
+        contacts: &Contacts,
+    ) -> Vec<LayerChange> {
+        let changes = array.layer_changes(self.units.length).into_iter();
+        let field = |(quantity, layers): (Quantity, Vec<WeightedLayer>)| {
+            let around = around_force(&layers)?;
+            let discs = contacts.loaded();
+            let field = LayerField::of_discs(&around, equations.degree(), discs);
+            Some((quantity, field))
+        };
+        changes.filter_map(field).collect()
+    }
+
     /// The point at which the floor is reached, and the displacement there.
     fn on_floor(
         &self,

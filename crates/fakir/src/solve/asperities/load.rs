@@ -1,9 +1,12 @@
 //! Undeformed gap between the indenter and an asperity.
 
 use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
+use crate::halfspace::layer::discs::LayerField;
+use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::quadrature::hemisphere;
 use crate::problem::point::turned;
 use crate::problem::{Asperity, LensShape, Point, ShapedLens};
+use std::sync::Arc;
 
 /// Fraction of the radius of a sphere or a cylinder beyond which the shape is extrapolated with constant slope. No allowed contact comes near.
 const STEEPEST: f64 = 0.9;
@@ -73,6 +76,8 @@ pub(crate) struct Layout {
     pub(crate) summits: Vec<Summit>,
     /// Adhesion: see [`Disc::grip`](crate::state::discs::Disc).
     pub(crate) grip: f64,
+    /// Correction for layers; `None` on half-spaces.
+    pub(crate) layers: Option<Arc<AroundForce>>,
 }
 
 /// The point of an asperity that is closest to the indenter.
@@ -98,7 +103,13 @@ impl Layout {
             shape,
             summits,
             grip: (2.0 * work / std::f64::consts::PI).sqrt(),
+            layers: None,
         }
+    }
+
+    /// The same on layers, with the correction around a force on them.
+    pub(crate) fn on_layers(self, layers: Option<Arc<AroundForce>>) -> Self {
+        Self { layers, ..self }
     }
 
     /// The first asperity alone, without a rim.
@@ -112,6 +123,7 @@ impl Layout {
             summits: self.summits.iter().take(1).copied().collect(),
             shape: self.shape.clone(),
             grip: self.grip,
+            layers: self.layers.clone(),
         }
     }
 
@@ -182,14 +194,26 @@ pub(crate) fn to_summit(jet: &Jet) -> Point {
 pub(crate) struct FloorForces {
     /// Position and force of every cell in contact; the force is divided by pi, in units of the modulus.
     forces: Vec<(Point, f64)>,
+    layers: Option<LayerField>,
 }
 
 impl FloorForces {
-    pub(crate) fn new(forces: impl Iterator<Item = (Point, f64)>) -> Self {
+    pub(crate) fn new(layout: &Layout, forces: impl Iterator<Item = (Point, f64)>) -> Self {
         let scaled = forces.map(|(at, force)| (at, force / std::f64::consts::PI));
+        let forces: Vec<_> = scaled.collect();
+        let layers = layout.layers.as_ref();
         Self {
-            forces: scaled.collect(),
+            layers: layers.map(|around| LayerField::of_forces(around, forces.clone())),
+            forces,
         }
+    }
+
+    /// Their displacement at a point.
+    pub(crate) fn displacement(&self, [x, y]: Point) -> f64 {
+        let forces = self.forces.iter();
+        let of_half_space = forces.map(|([u, v], force)| force / (x - u).hypot(y - v));
+        let layers = self.layers.as_ref();
+        of_half_space.sum::<f64>() + layers.map_or(0.0, |layers| layers.value([x, y]))
     }
 
     /// Subtracts their displacement from an overlap.
@@ -210,6 +234,12 @@ impl FloorForces {
         overlap.value -= value;
         overlap.slope = [0, 1].map(|k| overlap.slope[k] + slope[k]);
         overlap.bend = [0, 1, 2].map(|k| overlap.bend[k] - bend[k]);
+        if let Some(layers) = &self.layers {
+            let by_layers = layers.jet([x, y]);
+            overlap.value -= by_layers.value;
+            overlap.slope = [0, 1].map(|k| overlap.slope[k] - by_layers.gradient[k]);
+            overlap.bend = [0, 1, 2].map(|k| overlap.bend[k] - by_layers.hessian[k]);
+        }
     }
 }
 

@@ -12,6 +12,9 @@
 //! Floor that the lens penetrates if only the tops carry load contains the contact: pressures elsewhere only lower the surface, so that the
 //! solution with more obstacles is nowhere above that with fewer. These are the cells of a grid.
 //!
+//! Beside a pressure the surface of a layer may rise. On layers the cells are those that the lens would penetrate within a margin, which grows until
+//! the lens penetrates no other cell in the solution on the two coarse grids.
+//!
 //! # Error estimate
 //!
 //! The contact is solved on three grids, the last with half the cell size of the one before. The larger of the last difference and of the one
@@ -23,7 +26,7 @@ use super::equations::Equations;
 use super::load::FloorForces;
 use super::newton::Settled;
 use super::transition::{bodies, loaded_tops};
-use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::{FreeSpaceConvolution, Preconditioned};
@@ -31,8 +34,9 @@ use crate::numerics::convergence::{larger, largest, smaller};
 use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::numerics::vector::{add_scaled, dot};
+use crate::problem::layer::WeightedLayer;
 use crate::problem::load::Prescribed;
-use crate::problem::{Accuracy, Boundary, Cells, Grid, ShapedLens};
+use crate::problem::{Accuracy, Boundary, Cells, Grid, Point, ShapedLens};
 use crate::solve::elements::solver::{self, Settings};
 use crate::solve::floor::FloorDisplacement;
 use crate::solve::patches::Patches;
@@ -61,6 +65,16 @@ const BEYOND: f64 = 0.05;
 
 /// Penetration, relative to the depth of the floor, up to which cells above the lens are included: far above rounding.
 const NEAR: f64 = 1e-6;
+
+/// First margin on layers in units of the largest penetration that is missed, largest number of times that it grows, and penetration, relative to the
+/// depth of the floor, that is neglected.
+const MARGIN: f64 = 2.0;
+const GROWTHS: usize = 8;
+const MISSED: f64 = 1e-5;
+
+/// Distances, in thicknesses of the thinnest layer, at which the largest rise of the surface beside a force is searched: the first, the ratio of
+/// successive ones, and their number. At smaller distances the surface sinks.
+const RISES: (f64, f64, usize) = (0.3, 1.1, 60);
 
 /// Bound of the energy error of the floor, relative to its energy.
 const FLOOR_TOLERANCE: f64 = 1e-12;
@@ -98,6 +112,10 @@ struct Ground<'a> {
     depth: f64,
     accuracy: Accuracy,
     run: &'a Run<'a>,
+    /// Largest rise of the surface beside a unit force, on layers.
+    rise: f64,
+    /// Penetration up to which cells above the lens are included, on layers.
+    margin: f64,
 }
 
 /// The cells of a grid that the lens penetrates if the tops alone carry load.
@@ -214,10 +232,45 @@ impl<'a> Ground<'a> {
         self.bench.layout.first_touch().min(self.depth)
     }
 
-    /// Radius beyond which the undeformed lens is above the floor.
-    fn reach(&self, indentation: f64) -> f64 {
-        let reach = self.lens.distance_of_rise(indentation - self.depth);
+    /// Height up to which the tops may lift the floor.
+    fn lifted(&self, contacts: &Contacts) -> f64 {
+        let forces = contacts.loaded().map(|(_, moments)| moments[0]);
+        self.rise * UNIT_FORCE * forces.sum::<f64>()
+    }
+
+    /// Radius beyond which the undeformed lens is above the floor, by more than the tops may lift it.
+    fn reach(&self, contacts: &Contacts, indentation: f64) -> f64 {
+        let rise = indentation - self.depth + self.lifted(contacts) + self.margin;
+        let reach = self.lens.distance_of_rise(rise);
         reach.unwrap_or(self.lens.widest())
+    }
+
+    /// Whether there is no pillar at a point.
+    fn is_free(&self, at: Point) -> bool {
+        let nearest = (self.pillars).nearest(at, Nearest::Edge, 0.0, None);
+        nearest.is_none_or(|(_, distance)| distance > 0.0)
+    }
+
+    /// The largest penetration of floor outside of the cells, relative to the depth of the floor.
+    fn missed(&self, equations: &Equations<'_>, mesh: &Mesh<'_>, level: &Level) -> f64 {
+        let exterior = Exterior::new(equations.degree());
+        let contacts = &level.pressed.contacts;
+        let tops = loaded_tops(self.bench, contacts, &exterior, 1.0, self.run);
+        let grid = mesh.cells.grid();
+        let mut is_in = vec![false; grid.cell_count()];
+        mesh.cells.indices().for_each(|index| is_in[index] = true);
+        let across = grid.columns();
+        let penetration = |_: &mut (), index: usize| {
+            let at = grid.centre(index % across, index / across);
+            let above = self.depth + self.lens.sag_with_brim(at) - level.indentation;
+            if is_in[index] || !self.is_free(at) {
+                return 0.0;
+            }
+            -(above + tops.value(at)[1] + equations.floor.displacement(at))
+        };
+        let workers = self.run.workers();
+        let all = workers.map(grid.cell_count(), 64, || (), penetration);
+        all.into_iter().fold(0.0, larger) / self.depth
     }
 
     /// Cells with a side that are penetrated at an indentation by a lens on these contacts.
@@ -227,7 +280,7 @@ impl<'a> Ground<'a> {
         indentation: f64,
         side: f64,
     ) -> Result<Cells, SolveError> {
-        let reach = self.reach(indentation);
+        let reach = self.reach(contacts, indentation);
         // None of the cells are at the border.
         let across = 2 * ((reach / side).ceil() as usize + 1);
         let grid = Grid::centred(across, across, side);
@@ -235,17 +288,16 @@ impl<'a> Ground<'a> {
             what: "cell of the floor",
         })?;
         let exterior = Exterior::new(degree(self.accuracy));
-        let tops = loaded_tops(contacts, &exterior, 1.0, self.run);
+        let tops = loaded_tops(self.bench, contacts, &exterior, 1.0, self.run);
+        let near = NEAR * self.depth + self.margin;
+        let lifted = self.lifted(contacts);
         let is_penetrated = |_: &mut (), index: usize| {
             let [x, y] = grid.centre(index % across, index / across);
             let above = self.depth + self.lens.sag_with_brim([x, y]) - indentation;
-            let near = NEAR * self.depth;
-            if x.hypot(y) >= reach || above > near {
+            if x.hypot(y) >= reach || above > near + lifted {
                 return false;
             }
-            let nearest = (self.pillars).nearest([x, y], Nearest::Edge, 0.0, None);
-            nearest.is_none_or(|(_, distance)| distance > 0.0)
-                && above + tops.value([x, y])[1] <= near
+            self.is_free([x, y]) && above + tops.value([x, y])[1] <= near
         };
         let workers = self.run.workers();
         let is_in = workers.map(grid.cell_count(), 256, || (), is_penetrated);
@@ -260,7 +312,7 @@ impl<'a> Ground<'a> {
         indentation: f64,
         part: f64,
     ) -> Result<f64, SolveError> {
-        let reach = self.reach(indentation);
+        let reach = self.reach(contacts, indentation);
         let most = MOST_POINTS[self.index()];
         let smallest = reach * (PI / most).sqrt();
         let mut side = larger(2.0 * reach / FIRST_ACROSS, smallest);
@@ -302,7 +354,8 @@ impl<'a> Ground<'a> {
             .centres()
             .map(|at| self.depth + self.lens.sag_with_brim(at));
         let pool = self.run.pool;
-        let half_space = HalfSpace::new(Boundary::FreeSpace, cells.clone(), 1.0, &[], pool);
+        let layers = &self.bench.layers;
+        let half_space = HalfSpace::new(Boundary::FreeSpace, cells.clone(), 1.0, layers, pool);
         Ok(Some(Mesh {
             separation: separation.collect(),
             operator: half_space.preconditioned(cells.clone(), pool),
@@ -314,7 +367,7 @@ impl<'a> Ground<'a> {
     /// The displacement of the cells by the tops.
     fn sunk(&self, equations: &Equations<'_>, mesh: &Mesh<'_>, contacts: &Contacts) -> Vec<f64> {
         let exterior = Exterior::new(equations.degree());
-        let tops = loaded_tops(contacts, &exterior, 1.0, self.run);
+        let tops = loaded_tops(self.bench, contacts, &exterior, 1.0, self.run);
         let centres: Vec<_> = mesh.cells.centres().collect();
         let workers = self.run.workers();
         let value = |(): &mut (), cell: usize| tops.value(centres[cell])[1];
@@ -388,7 +441,8 @@ impl<'a> Ground<'a> {
             pressed.pressure = floor.pressure;
             let forces = mesh.cells.centres().zip(&pressed.pressure);
             let forces = forces.filter(|(_, pressure)| **pressure > 0.0);
-            equations.floor = FloorForces::new(forces.map(|(at, pressure)| (at, area * pressure)));
+            let forces = forces.map(|(at, pressure)| (at, area * pressure));
+            equations.floor = FloorForces::new(equations.layout, forces);
             let target = Prescribed::Indentation(indentation);
             let found = equations.find(target, Some(&pressed.contacts), self.run)?;
             let (settled, termination) = self.bench.found(equations, found)?;
@@ -487,13 +541,13 @@ struct Rates {
     forces: Vec<f64>,
 }
 
-impl Ground<'_> {
+impl<'a> Ground<'a> {
     /// The contact on three grids, and at the end of the second one with a pressure of higher degree on the tops.
     fn solve(
-        &self,
+        &mut self,
         target: Prescribed,
         alone: &Contacts,
-    ) -> Result<Option<Solved<'_>>, SolveError> {
+    ) -> Result<Option<Solved<'a>>, SolveError> {
         let mut equations = self.equations();
         let mut alone = alone.clone();
         let first = self.first_touch();
@@ -514,7 +568,7 @@ impl Ground<'_> {
         let mut known: Option<(Cells, Pressed)> = None;
         let mut of_degree = None;
         let mut side = f64::INFINITY;
-        let mut number = 0;
+        let (mut number, mut growths) = (0, 0);
         loop {
             // The derivatives are differences.
             let bound_of_mesh = bound + 2.0 * step(bound);
@@ -547,12 +601,24 @@ impl Ground<'_> {
                 continue;
             };
             let loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
-            let level = Level {
+            let mut level = Level {
                 indentation,
                 patches: Patches::of(&mesh.cells, loaded, &self.pillars),
                 cell: mesh.cells.grid().cell_area(),
                 pressed,
             };
+            let is_solved = level.pressed.termination == Termination::Converged;
+            if self.rise > 0.0 && number < 2 && is_solved {
+                let missed = self.missed(&equations, &mesh, &level);
+                if missed > MISSED && growths < GROWTHS {
+                    self.margin = larger(2.0 * self.margin, MARGIN * missed * self.depth);
+                    growths += 1;
+                    continue;
+                }
+                if missed > MISSED {
+                    level.pressed.termination = Termination::IterationLimit;
+                }
+            }
             let is_solved = level.pressed.termination == Termination::Converged;
             // Cells may be too large for a small contact.
             if level.patches.cells == 0 && number == 2 && is_solved {
@@ -656,13 +722,15 @@ impl Bench {
         let Some(lens) = &self.layout.shape.0 else {
             return Ok(None);
         };
-        let ground = Ground {
+        let mut ground = Ground {
             bench: self,
             lens,
             pillars: Neighbours::new(bodies(self, depth).into_iter()),
             depth,
             accuracy: alone.accuracy,
             run,
+            rise: self.rise(),
+            margin: 0.0,
         };
         let Some(mut solved) = ground.solve(target, &alone.contacts)? else {
             return Ok(None);
@@ -674,6 +742,20 @@ impl Bench {
             _ => None,
         };
         Ok(self.assemble_with_floor(&solved, rates.as_ref(), target, alone.accuracy))
+    }
+
+    /// Largest rise of the surface of layers beside a unit force.
+    fn rise(&self) -> f64 {
+        let thinnest = WeightedLayer::thinnest(&self.layers);
+        let Some((around, thinnest)) = self.layout.layers.as_ref().zip(thinnest) else {
+            return 0.0;
+        };
+        let (first, ratio, count) = RISES;
+        let rises = (0..count as i32).map(|k| {
+            let distance = thinnest * first * ratio.powi(k);
+            -(distance.recip() + around.value(distance)) / PI
+        });
+        rises.fold(0.0, f64::max)
     }
 
     fn assemble_with_floor(
@@ -842,6 +924,8 @@ mod tests {
                 depth: 0.01,
                 accuracy: Accuracy::Default,
                 run: &run,
+                rise: 0.0,
+                margin: 0.0,
             };
             let mut equations = ground.equations();
             let untouched = bench.layout.untouched(indentation);

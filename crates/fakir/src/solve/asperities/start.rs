@@ -1,4 +1,5 @@
-//! Start of the iteration: asperities that interact as point forces, each with a Hertzian contact.
+//! Start of the iteration: asperities that interact as point forces, each with a Hertzian contact. The effect of a force on its own asperity
+//! through layers is left out here.
 
 use super::load::Layout;
 use crate::numerics::dense::{Lu, Matrix};
@@ -99,7 +100,9 @@ pub(crate) fn point_forces(layout: &Layout, target: Prescribed) -> PointForces {
             return layout.asperities[i].column_compliance;
         }
         let [x, y] = [0, 1].map(|k| summits[i].place[k] - summits[j].place[k]);
-        (PI * x.hypot(y)).recip()
+        let distance = x.hypot(y);
+        let layers = layout.layers.as_ref();
+        (distance.recip() + layers.map_or(0.0, |around| around.value(distance))) / PI
     });
     let first = layout.first_touch();
     let mut indentation = match target {

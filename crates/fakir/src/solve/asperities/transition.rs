@@ -1,8 +1,8 @@
 //! The critical state of rounded tops, and the smallest gap between the lens and the floor.
 //!
 //! The displacement of the floor is the sum of the exterior fields of all contacts, discs of their own radii. The contacts change with the
-//! indentation `zeta`, so that the critical one is the root of the gap `min(h + f + w) - zeta`. Without adhesion `0 <= dw/dzeta < 1` outside
-//! the contacts: the gap decreases, and `min(h + f + w)` at a smaller indentation is a lower bound of the root.
+//! indentation `zeta`, so that the critical one is the root of the gap `min(h + f + w) - zeta`. On half-spaces without adhesion `0 <= dw/dzeta < 1`
+//! outside the contacts: the gap decreases, and `min(h + f + w)` at a smaller indentation is a lower bound of the root.
 
 use super::answer::{Bench, DEGREES, degree, with_modes};
 use super::equations::Equations;
@@ -10,11 +10,15 @@ use super::newton::Aim;
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;
+use crate::halfspace::jet::FieldJet;
+use crate::halfspace::layer::discs::LayerField;
 use crate::problem::load::Prescribed;
 use crate::problem::{
     Accuracy, Asperity, AsperityArray, Feature, Point, Question, ShapedLens, Solver,
 };
-use crate::solve::floor::{Discs, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered};
+use crate::solve::floor::{
+    Discs, FloorDisplacement, FloorPoint, FloorSearch, LoadedDiscs, Surroundings, Uncovered,
+};
 use crate::state::asperity_contact::{AsperityContact, AsperityErrors, AsperityFloorGap};
 use crate::state::discs::Contacts;
 use crate::state::{Critical, Regime, Run, SolveError, Termination};
@@ -31,7 +35,7 @@ const JUMP_WIDTH: f64 = 1e-11;
 /// Smallest step, relative to the depth of the floor, from which the change of the displacement with the indentation is computed.
 const SLOPE_STEP: f64 = 1e-5;
 
-/// Change of the gap with the indentation above which it is treated as a jump. It is between 0 and 1 without adhesion.
+/// Change of the gap with the indentation above which it is treated as a jump. It is between 0 and 1 without adhesion and layers.
 const STEEP_GAP: f64 = 2.0;
 
 /// Parts of the gap by which the indentation is increased instead if the contact is not found. The first does not exceed the critical
@@ -91,26 +95,72 @@ pub(super) fn bodies(bench: &Bench, depth: f64) -> Vec<(Point, f64)> {
         .collect()
 }
 
-/// The pressures on all tops, which displace the floor; lengths in units of `unit`.
+/// The pressures on all tops, which displace the floor.
+pub(super) struct LoadedTops<'a> {
+    discs: LoadedDiscs<'a>,
+    /// Correction for layers, in units of the contacts; `None` on half-spaces.
+    layers: Option<LayerField>,
+    /// The unit of positions and displacements, in units of the contacts.
+    unit: f64,
+}
+
+impl FloorDisplacement for LoadedTops<'_> {
+    fn displacement(&self, position: Point) -> [FieldJet; 2] {
+        let [of_indentation, mut rest] = self.discs.displacement(position);
+        if let Some(layers) = &self.layers {
+            let jet = layers.jet(position.map(|x| x * self.unit));
+            rest.value += jet.value / self.unit;
+            rest.gradient = [0, 1].map(|k| rest.gradient[k] + jet.gradient[k]);
+            rest.hessian = [0, 1, 2].map(|k| rest.hessian[k] + jet.hessian[k] * self.unit);
+        }
+        [of_indentation, rest]
+    }
+
+    fn value(&self, position: Point) -> [f64; 2] {
+        let [of_indentation, rest] = self.discs.value(position);
+        let layers = self.layers.as_ref();
+        let of_layers = |layers: &LayerField| layers.value(position.map(|x| x * self.unit));
+        [
+            of_indentation,
+            rest + layers.map_or(0.0, of_layers) / self.unit,
+        ]
+    }
+
+    fn rough_displacements(&self, points: &[Point]) -> Option<Vec<[f64; 2]>> {
+        match &self.layers {
+            Some(_) => None,
+            None => self.discs.rough_displacements(points),
+        }
+    }
+}
+
+/// The pressures on all tops; lengths in units of `unit`.
 pub(super) fn loaded_tops<'a>(
+    bench: &Bench,
     contacts: &Contacts,
     exterior: &'a Exterior,
     unit: f64,
     run: &'a Run<'a>,
-) -> LoadedDiscs<'a> {
+) -> LoadedTops<'a> {
     let (discs, modes) = (&contacts.discs, exterior.count());
     let coefficient = |disc: usize, mode: usize| {
         contacts.moments[disc * modes + mode] / discs[disc].radius.powi(2)
     };
-    LoadedDiscs {
-        exterior,
-        discs: Discs::new(
-            [discs.len(), modes],
-            |disc| discs[disc].centre.map(|x| x / unit),
-            |disc| discs[disc].radius / unit,
-            [None, Some(&coefficient)],
-        ),
-        run,
+    let layers = bench.layout.layers.as_ref();
+    LoadedTops {
+        discs: LoadedDiscs {
+            exterior,
+            discs: Discs::new(
+                [discs.len(), modes],
+                |disc| discs[disc].centre.map(|x| x / unit),
+                |disc| discs[disc].radius / unit,
+                [None, Some(&coefficient)],
+            ),
+            run,
+        },
+        layers: layers
+            .map(|around| LayerField::of_discs(around, exterior.degree(), contacts.loaded())),
+        unit,
     }
 }
 
@@ -150,13 +200,14 @@ impl Floor {
     /// previous search, if there was one.
     fn lowest(
         &mut self,
+        bench: &Bench,
         contacts: &Contacts,
         degree: usize,
         run: &Run<'_>,
     ) -> Result<FloorPoint, SolveError> {
         let unit = self.unit;
         let exterior = Exterior::new(degree);
-        let loaded = loaded_tops(contacts, &exterior, unit, run);
+        let loaded = loaded_tops(bench, contacts, &exterior, unit, run);
         let around = Surroundings::of_sites(&self.sites, self.spacing, contacts.reach() / unit);
         let uncovered = Uncovered {
             lens: self.lens.clone(),
@@ -185,7 +236,7 @@ impl Bench {
         let Some(mut floor) = Floor::new(self, depth / length) else {
             return Ok(None);
         };
-        match floor.lowest(&contact.contacts, degree(contact.accuracy), run) {
+        match floor.lowest(self, &contact.contacts, degree(contact.accuracy), run) {
             Ok(lowest) => Ok(Some(self.gap_at(&lowest, contact.contacts.indentation))),
             Err(SolveError::FloorCovered) => Ok(None),
             Err(error) => Err(error),
@@ -230,7 +281,7 @@ impl Search<'_> {
         let degree = degree(self.accuracy);
         // Another point may be the lowest than in the contact before.
         self.floor.search.forget();
-        let lowest = self.floor.lowest(&contact.contacts, degree, self.run)?;
+        let lowest = (self.floor).lowest(self.bench, &contact.contacts, degree, self.run)?;
         Ok(Step {
             contact,
             indentation,
@@ -317,7 +368,7 @@ impl Search<'_> {
             return Ok(None);
         };
         let refined = (self.bench).contact(&fine, settled, Termination::Converged, self.accuracy);
-        let of_fine = self.floor.lowest(&refined.contacts, low + 2, self.run)?;
+        let of_fine = (self.floor).lowest(self.bench, &refined.contacts, low + 2, self.run)?;
         let at_indentation = self.bench.difference(contact, &refined, aim);
         let length = self.bench.units.length;
         // The displacement of the floor is proportional to forces.
@@ -388,8 +439,8 @@ impl AsperityArray {
                 floor_contact: [0.0; 2],
             });
         }
-        // Tension lifts the floor above its level.
-        let from = match self.adhesion().is_none() {
+        // Tension lifts the floor above its level, and so does a pressure on a layer, beside it.
+        let from = match self.adhesion().is_none() && !self.has_layers() {
             true => depth.max(first),
             false => first,
         };

@@ -2,7 +2,7 @@
 //! indenter enters, any of which may be touched anywhere.
 //!
 //! This is an independent check of the [discs](crate::solve::asperities): contacts may have any shape, and tops that the other solution leaves
-//! without contact are checked too. The two methods share the undeformed gap and the half-space. Only positions and sizes of the grids
+//! without contact are checked too. The two methods share the undeformed gap and the elastic response of the bodies. Only positions and sizes of the grids
 //! depend on the other solution: a grid on whose border there is pressure is enlarged. Grids may overlap: of two tops at the same point the
 //! lower one is farther from the indenter and carries no pressure.
 //!
@@ -17,6 +17,7 @@ use super::surface_level::EDGE;
 use crate::halfspace::elements::Columns;
 use crate::halfspace::elements::scattered::{Interactions, PlacedGrid, ScatteredGrids};
 use crate::numerics::convergence::{larger, smaller};
+use crate::problem::layer::WeightedLayer;
 use crate::problem::{AsperityArray, Cells, Grid, Load, Point};
 use crate::solve::asperities::load::{Layout, Shape};
 use crate::state::asperity_elements::AsperityElements;
@@ -136,6 +137,8 @@ struct Problem<'a> {
     layout: Layout,
     /// `1/E*`, 1/Pa.
     compliance: f64,
+    /// The bodies that are layers, in m.
+    layers: Vec<WeightedLayer>,
     load: Prescribed,
     expected: &'a AsperityContact,
     first_touch: f64,
@@ -158,6 +161,7 @@ pub(crate) fn press_asperities(
     let layout = Layout::new(array.asperities().to_vec(), Shape(lens.cloned()), 0.0);
     let problem = Problem {
         compliance: array.reduced_modulus().recip(),
+        layers: array.weighted_layers(1.0),
         load: load.prescribed().ok_or(SolveError::NoFloor)?,
         first_touch: layout.first_touch(),
         layout,
@@ -263,11 +267,19 @@ impl Problem<'_> {
         }
         let own_bytes = BYTES_PER_ELEMENT * count;
         self.check_memory(patches.len(), own_bytes)?;
-        let grids: Vec<PlacedGrid> = patches.iter().map(|it| (it.centre, it.radius)).collect();
+        // The operator assumes sizes of the order of 1.
+        let unit = patches.iter().map(|it| it.radius).fold(0.0, f64::max);
+        let placed = |it: &Patch| (it.centre.map(|x| x / unit), it.radius / unit);
+        let grids: Vec<PlacedGrid> = patches.iter().map(placed).collect();
         let interactions = Interactions::new(&pattern.cells, &grids);
         self.check_memory(patches.len(), interactions.memory_estimate() + own_bytes)?;
-        let operator =
-            ScatteredGrids::new(&pattern.cells, &grids, interactions, self.compliance, &[]);
+        let operator = ScatteredGrids::new(
+            &pattern.cells,
+            &grids,
+            interactions,
+            self.compliance / unit,
+            &WeightedLayer::in_unit(&self.layers, unit),
+        );
         let numbers = 0..patches.len() as u32;
         let pillars = numbers.flat_map(|patch| std::iter::repeat_n(patch, per_patch));
         let columns = patches.iter().map(|patch| {

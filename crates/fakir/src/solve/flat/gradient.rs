@@ -140,7 +140,7 @@ impl Bench<'_> {
                 by_modulus.times(poisson(substrate)),
             ),
         ]);
-        for (quantity, layers) in WeightedLayer::changes(system.bodies(), 1.0) {
+        for (quantity, layers) in WeightedLayer::changes(&system.bodies(), 1.0) {
             let mut change = disc.of_layers(&layers, radius, &theta);
             change.iter_mut().for_each(|value| *value = -*value);
             let change = of_solution(&disc.solved(change));
