@@ -33,7 +33,16 @@ class Candidate(NamedTuple):
     """The value of the free key, in SI units."""
     system: System | AsperityArray | Surface
     """The system, the rounded tops or the height map, with this value."""
-    reached: CriticalState | ContactState | Cycle | AsperityTransition | AsperityCycle | SurfaceTransition | SurfaceContact
+    reached: (
+        CriticalState
+        | ContactState
+        | Cycle
+        | AsperityTransition
+        | AsperityContact
+        | AsperityCycle
+        | SurfaceTransition
+        | SurfaceContact
+    )
     """Its critical state; its contact under the load for a target floor share; its cycle for a target pull-off force."""
 
     @property
@@ -56,7 +65,7 @@ class Candidate(NamedTuple):
     @property
     def state(self) -> ContactState | AsperityContact | SurfaceContact:
         """Its contact: critical, or under the load for a target floor share."""
-        if isinstance(self.reached, (ContactState, SurfaceContact)):
+        if isinstance(self.reached, (ContactState, AsperityContact, SurfaceContact)):
             return self.reached
         critical = self.critical
         return critical.state if isinstance(critical, CriticalState) else critical.contact
@@ -110,7 +119,8 @@ class Design(Result):
         unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
         reached = self._found.reached
         contact: list[Row]
-        if isinstance(reached, (Cycle, AsperityCycle, AsperityTransition, SurfaceTransition, SurfaceContact)):
+        of_other_surfaces = (AsperityTransition, AsperityContact, SurfaceTransition, SurfaceContact)
+        if isinstance(reached, (Cycle, AsperityCycle, *of_other_surfaces)):
             contact = reached._rows()
         elif isinstance(reached, CriticalState):
             contact = [
@@ -244,6 +254,8 @@ def _candidate(value: float, case: _fakir.Case | _fakir.Asperities | _fakir.Surf
         tops = AsperityArray._of(case)
         if isinstance(found, _fakir.AsperityTransition):
             return Candidate(value, tops, AsperityTransition(AsperityContact(tops, found.contact), found))
+        if isinstance(found, _fakir.AsperityContact):
+            return Candidate(value, tops, AsperityContact(tops, found))
         return Candidate(value, tops, AsperityCycle(*found))
     system = System._of(case)
     if isinstance(found, _fakir.Cycle):

@@ -197,6 +197,8 @@ pub enum Reached {
     PulledOff(Box<Cycle>),
     /// The critical state of rounded tops.
     CriticalOfTops(Box<Critical<AsperityContact>>),
+    /// The contact with rounded tops under the load of a target floor share.
+    PressedTops(Box<AsperityContact>),
     /// The cycle of rounded tops of a target pull-off force.
     PulledOffTops(Box<AsperityCycle>),
     /// The critical state on a height map.
@@ -223,6 +225,7 @@ impl Reached {
             Self::Pressed(contact) => Some(contact),
             Self::PulledOff(cycle) => Some(&cycle.turn),
             Self::CriticalOfTops(_)
+            | Self::PressedTops(_)
             | Self::PulledOffTops(_)
             | Self::CriticalOnMap(_)
             | Self::PressedOnMap(_) => None,
@@ -266,6 +269,7 @@ impl Reached {
             Self::Pressed(contact) => contact.force,
             Self::PulledOff(cycle) => cycle.turn.force,
             Self::CriticalOfTops(critical) => critical.contact.force,
+            Self::PressedTops(contact) => contact.force,
             Self::PulledOffTops(cycle) => cycle.turn.force,
             Self::CriticalOnMap(critical) => critical.answer.contact.force,
             Self::PressedOnMap(contact) => contact.answer.force,
@@ -280,6 +284,7 @@ impl Reached {
             Self::Pressed(contact) => contact.contact_radius,
             Self::PulledOff(cycle) => cycle.turn.contact_radius,
             Self::CriticalOfTops(critical) => critical.contact_radius(),
+            Self::PressedTops(contact) => contact.contact_radius.unwrap_or(0.0),
             Self::PulledOffTops(cycle) => cycle.turn.contact_radius.unwrap_or(0.0),
             Self::CriticalOnMap(critical) => {
                 let [x, y] = critical.answer.floor_contact;
@@ -310,15 +315,22 @@ impl Reached {
         })
     }
 
-    /// Contact on the floor; `None` without, and on other surfaces than flat tops.
+    /// Contact on the floor; `None` without, and on a height map.
     #[must_use]
     pub fn floor(&self) -> Option<&FloorContact> {
-        self.contact()?.floor.as_ref()
+        match self {
+            Self::PressedTops(contact) => contact.floor.as_ref(),
+            _ => self.contact()?.floor.as_ref(),
+        }
     }
 
-    /// Smallest gap between lens and floor over the height of the pillars, or of the relief of a height map; infinite for rounded tops, whose floor share is
-    /// not computed.
+    /// Smallest gap between lens and floor over the height of the pillars, or of the relief of a height map; under rounded tops, over the sum of the
+    /// gap and the indentation.
     fn to_the_floor(&self) -> f64 {
+        if let Self::PressedTops(contact) = self {
+            let gap = contact.floor_gap.map_or(f64::INFINITY, |floor| floor.gap);
+            return gap / (gap + contact.indentation.abs());
+        }
         if let Self::PressedOnMap(contact) = self {
             let surface = contact.case.system.surface();
             let gap = contact
@@ -338,6 +350,7 @@ impl Reached {
             Self::Pressed(contact) => contact,
             Self::PulledOff(cycle) => cycle.as_ref(),
             Self::CriticalOfTops(critical) => &critical.contact,
+            Self::PressedTops(contact) => contact.as_ref(),
             Self::PulledOffTops(cycle) => cycle.as_ref(),
             Self::CriticalOnMap(critical) => &critical.answer.contact,
             Self::PressedOnMap(contact) => &contact.answer,
@@ -1114,8 +1127,12 @@ impl Search<'_> {
                 let critical = case.field.transition(case.accuracy, self.run)?;
                 Ok(Reached::CriticalOfTops(Box::new(critical)))
             }
-            // Their floor share is refused before, as are flat surfaces.
-            (AnyCase::Asperities(_) | AnyCase::Flat(_), _) => Err(SolveError::NoFloor),
+            (AnyCase::Asperities(case), Wanted::FloorShare { load, .. }) => {
+                let contact = case.field.press(load, case.accuracy, self.run)?;
+                Ok(Reached::PressedTops(Box::new(contact)))
+            }
+            // Other surfaces are refused before.
+            (AnyCase::Flat(_), _) => Err(SolveError::NoFloor),
         };
         Ok(solved?)
     }

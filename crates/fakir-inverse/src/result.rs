@@ -6,10 +6,10 @@ use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::Load;
 use fakir_case::AnyCase;
 use fakir_study::VERSION;
-use fakir_study::record::{AsperityCritical, Object, SurfaceAnswer};
+use fakir_study::record::{AsperityAnswer, AsperityCritical, Object, SurfaceAnswer};
 use fakir_study::result::{
-    CycleSummary, asperity_cycle, asperity_transition, press, surface_press, surface_transition,
-    transition,
+    CycleSummary, asperity_cycle, asperity_press, asperity_transition, press, surface_press,
+    surface_transition, transition,
 };
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -121,12 +121,18 @@ impl AnswerObject {
                 let critical = AsperityCritical::of(case, critical);
                 critical_state = Some(asperity_transition(critical, wall_time));
             }
+            (Reached::PressedTops(contact), AnyCase::Asperities(case)) => {
+                state = Some(asperity_press(AsperityAnswer::of(case, contact), wall_time));
+            }
             (Reached::PulledOffTops(pulled), AnyCase::Asperities(case)) => {
                 let object = asperity_cycle(pulled, &case.field, None, wall_time);
                 cycle = Some(CycleObject::Rounded(object));
             }
             // Rounded tops have a case of rounded tops.
-            (Reached::CriticalOfTops(_) | Reached::PulledOffTops(_), _) => {}
+            (
+                Reached::CriticalOfTops(_) | Reached::PressedTops(_) | Reached::PulledOffTops(_),
+                _,
+            ) => {}
             (Reached::Critical(critical), _) => {
                 critical_state = Some(transition(critical, None, None, wall_time));
             }

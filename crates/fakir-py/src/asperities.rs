@@ -269,7 +269,7 @@ impl AsperityContact {
 
 impl AsperityContact {
     /// The contact of a case, with the computing time in s.
-    fn made(
+    pub(crate) fn made(
         py: Python<'_>,
         case: AsperityCase,
         contact: state::AsperityContact,

@@ -1,6 +1,6 @@
 //! Design, scatter and citations.
 
-use crate::asperities::{Asperities, AsperityTransition, cycle_answer};
+use crate::asperities::{Asperities, AsperityContact, AsperityTransition, cycle_answer};
 use crate::case::Case;
 use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
 use crate::load::{load, load_or_critical};
@@ -113,6 +113,10 @@ pub(crate) fn design(
                 let contact = match reached {
                     Reached::CriticalOfTops(critical) => {
                         AsperityTransition::made(py, tops.case(), *critical, wall_time)?.into_any()
+                    }
+                    Reached::PressedTops(contact) => {
+                        let case = tops.case().clone();
+                        AsperityContact::made(py, case, *contact, wall_time)?.into_any()
                     }
                     Reached::PulledOffTops(cycle) => {
                         let found = cycle_answer(py, tops.case(), &cycle, wall_time)?;

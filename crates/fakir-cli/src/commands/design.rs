@@ -149,6 +149,9 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
         (Reached::CriticalOfTops(critical), AnyCase::Asperities(case)) => {
             asperity_warnings(AsperityAnswer::of(case, &critical.contact))
         }
+        (Reached::PressedTops(contact), AnyCase::Asperities(case)) => {
+            asperity_warnings(AsperityAnswer::of(case, contact))
+        }
         (Reached::PulledOffTops(cycle), AnyCase::Asperities(case)) => {
             asperity_cycle_warnings(case, cycle)
         }
@@ -163,6 +166,7 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
             all
         }
         (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
+        (Reached::PressedTops(contact), _) => warnings(contact.as_ref()),
         (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
     }
 }
@@ -192,46 +196,53 @@ fn design_text(answer: &Answer, described: &Described) -> String {
             let radius = radius_digits(contact.relative_contact_radius_error().unwrap_or(1.0));
             critical_rows(answer, contact.indentation, [force, depth, radius])
         }
-        Reached::PressedOnMap(contact) => with_sensitivity(answer, |rows| {
-            fakir_study::answer::load_and_shares(rows, &contact.answer);
-        }),
-        Reached::Pressed(state) => pressed_rows(answer, state),
-        Reached::PulledOff(cycle) => with_sensitivity(answer, |rows| {
-            fakir_study::answer::turn_and_pull_off(rows, cycle);
-        }),
-        Reached::PulledOffTops(cycle) => with_sensitivity(answer, |rows| {
-            fakir_study::answer::turn_and_pull_off_of_tops(rows, cycle);
-        }),
+        Reached::PressedOnMap(contact) => {
+            let mut rows = QuantityList::default();
+            fakir_study::answer::load_and_shares(&mut rows, &contact.answer);
+            with_sensitivity(answer, rows)
+        }
+        Reached::Pressed(state) => with_sensitivity(answer, pressed_rows(state)),
+        Reached::PressedTops(contact) => {
+            with_sensitivity(answer, fakir_study::answer::pressed_tops(contact))
+        }
+        Reached::PulledOff(cycle) => {
+            let mut rows = QuantityList::default();
+            fakir_study::answer::turn_and_pull_off(&mut rows, cycle);
+            with_sensitivity(answer, rows)
+        }
+        Reached::PulledOffTops(cycle) => {
+            let mut rows = QuantityList::default();
+            fakir_study::answer::turn_and_pull_off_of_tops(&mut rows, cycle);
+            with_sensitivity(answer, rows)
+        }
     };
     let [surface, method] = &described.lines;
     format!("{}\n{surface}\n{method}\n\n{rows}", answer.statement())
 }
 
 /// The contact at the load of a target floor share.
-fn pressed_rows(answer: &Answer, state: &ContactState) -> String {
+fn pressed_rows(state: &ContactState) -> QuantityList {
+    let mut rows = QuantityList::default();
     let reduced = Normalized::new(
         &state.system,
         state.force,
         state.contact_radius,
         state.indentation,
     );
-    with_sensitivity(answer, |rows| {
-        rows.load(state, &reduced)
-            .radius(
-                "contact radius",
-                state.contact_radius,
-                state.relative_contact_radius_error(),
-                String::new(),
-            )
-            .floor(state)
-            .pillars(state);
-    })
+    rows.load(state, &reduced)
+        .radius(
+            "contact radius",
+            state.contact_radius,
+            state.relative_contact_radius_error(),
+            String::new(),
+        )
+        .floor(state)
+        .pillars(state);
+    rows
 }
 
-/// These rows and the sensitivity.
-fn with_sensitivity(answer: &Answer, add: impl FnOnce(&mut QuantityList)) -> String {
-    let mut rows = QuantityList::default();
-    add(&mut rows);
+/// The contact or the cycle of a target at a load.
+fn with_sensitivity(answer: &Answer, mut rows: QuantityList) -> String {
     if let Some((value, remark)) = sensitivity(answer) {
         rows.row("sensitivity", value, "", &remark);
     }

@@ -127,12 +127,43 @@ fn unattainable_targets_of_rounded_tops_are_answered_with_the_nearest() {
     let refused = design(&plate, Key::Pitch, Wanted::Force(1e-3), &Run::default());
     let message = refused.unwrap_err().to_string();
     assert!(message.contains("has no transition"), "{message}");
+    // The floor carries no load under adhesive tops, nor where it is ignored.
     let share = Wanted::FloorShare {
         share: 0.1,
         load: Load::Force(1e-3),
     };
-    let refused = design(&file, Key::Pitch, share, &Run::default());
-    assert!(matches!(refused, Err(DesignError::Case(_))), "{refused:?}");
+    for setting in ["adhesion.work=20mJ/m2", "floor.contact=false"] {
+        let refused = design(&self::file(&[setting]), Key::Pitch, share, &Run::default());
+        assert!(matches!(refused, Err(DesignError::Case(_))), "{refused:?}");
+    }
+}
+
+/// Takes the floor share of a case under a load past the transition, changes the height of the pillars, and finds it again: the contact of
+/// the resulting case has the target share within its estimated error.
+#[test]
+fn a_floor_share_of_rounded_tops_is_found_again() {
+    let run = Run::default();
+    let file = file(&[]);
+    let case = file.asperity_case().unwrap();
+    let critical = case.field.transition(case.accuracy, &run).unwrap();
+    let load = Load::Force(1.6 * critical.contact.force);
+    let share_of = |case: &AsperityCase| {
+        let contact = case.field.press(load, case.accuracy, &run).unwrap();
+        let floor = contact.floor.expect("a floor in contact");
+        [floor.share, floor.error.share]
+    };
+    let [share, error] = share_of(&case);
+    assert!(share > 0.01 && error < 0.05, "{share} {error}");
+    let truth = file.given(Key::PillarHeight).unwrap().unwrap();
+    let mut other = file.clone();
+    other.set_number(Key::PillarHeight, 0.93 * truth);
+    let wanted = Wanted::FloorShare { share, load };
+    let (value, sensitivity, case) = found(&other, Key::PillarHeight, wanted);
+    let [again, error_again] = share_of(&case);
+    println!("{value:e} instead of {truth:e}: {again} instead of {share}, {error:e}");
+    assert!((again / share - 1.0).abs() <= error + error_again);
+    // A higher pillar lowers the share.
+    assert!(sensitivity < 0.0 && (value / truth - 1.0).abs() < 0.02);
 }
 
 fn samples(file: &CaseFile, sampling: &Sampling) -> Spread {

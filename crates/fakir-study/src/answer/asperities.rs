@@ -139,94 +139,7 @@ impl Kind for AsperityCase {
     }
 
     fn quantities(&self, found: &Reached<AsperityContact>) -> QuantityList {
-        let contact = found.contact();
-        let error = contact.error.unwrap_or_default();
-        let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
-        let depth = relative(error.indentation, contact.indentation.abs());
-        let mut list = QuantityList::default();
-        list.quantity(
-            "force",
-            contact.force,
-            Dimension::Force,
-            digits(error.force),
-            remark(error.force),
-        )
-        .quantity(
-            "indentation",
-            contact.indentation,
-            Dimension::Length,
-            digits(depth),
-            remark(depth),
-        )
-        .area(
-            match contact.floor.is_some() {
-                true => "contact area on the tops",
-                false => "contact area",
-            },
-            contact.area,
-            digits(error.area),
-            &remark(error.area),
-        );
-        if let Some(radius) = contact.contact_radius {
-            list.length("contact radius", radius, String::new());
-        }
-        if let Some([x, y]) = found.floor_contact() {
-            let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
-            let remark = format!("from the lens axis, at x = {}, y = {}", place(x), place(y));
-            list.length("floor contact", x.hypot(y), remark);
-        }
-        if let Some(floor) = contact.floor_gap
-            && (found.floor_contact().is_none() || floor.gap > 0.0)
-            && contact.floor.is_none()
-        {
-            let remark = match (found.floor_contact(), floor.gap < 0.0) {
-                (Some(_), _) => {
-                    "before a top jumps into contact, during which the floor is reached"
-                }
-                (None, true) => "negative: past the transition, the load of the floor is neglected",
-                (None, false) => "",
-            };
-            list.length("smallest floor gap", floor.gap, remark.to_owned());
-        }
-        list.floor(contact);
-        let full = contact
-            .asperities
-            .iter()
-            .filter(|asperity| asperity.status == PillarStatus::Full);
-        let full = match full.count() {
-            0 => String::new(),
-            full => format!(", {full} of them up to the rim"),
-        };
-        list.row(
-            "pillars in contact",
-            contact.touched().to_string(),
-            "",
-            &format!("of {}{full}", contact.asperities.len()),
-        );
-        if contact.touched() > 0 {
-            let most = |of: fn(&AsperityState) -> f64| {
-                contact.asperities.iter().map(of).fold(0.0, f64::max)
-            };
-            list.length(
-                "largest contact on a top",
-                most(|asperity| asperity.radius),
-                "radius".to_owned(),
-            )
-            .quantity(
-                "largest force on a pillar",
-                most(|asperity| asperity.force),
-                Dimension::Force,
-                LENGTH_DIGITS,
-                String::new(),
-            )
-            .row(
-                "stiffness",
-                significant(contact.slopes.force_with_indentation, LENGTH_DIGITS),
-                "N/m",
-                "",
-            );
-        }
-        list
+        quantities_of_tops(found)
     }
 
     fn solution(&self, list: &mut QuantityList, contact: &AsperityContact, wall_time: f64) {
@@ -342,6 +255,101 @@ impl Found<AsperityCase> for AsperityCycle {
             warnings: Vec::new(),
         })
     }
+}
+
+/// The numbers of a contact with rounded tops under a load.
+#[must_use]
+pub fn pressed_tops(contact: &AsperityContact) -> QuantityList {
+    quantities_of_tops(&Reached::Contact(contact.clone()))
+}
+
+/// The numbers of a contact with rounded tops in a report.
+fn quantities_of_tops(found: &Reached<AsperityContact>) -> QuantityList {
+    let contact = found.contact();
+    let error = contact.error.unwrap_or_default();
+    let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
+    let depth = relative(error.indentation, contact.indentation.abs());
+    let mut list = QuantityList::default();
+    list.quantity(
+        "force",
+        contact.force,
+        Dimension::Force,
+        digits(error.force),
+        remark(error.force),
+    )
+    .quantity(
+        "indentation",
+        contact.indentation,
+        Dimension::Length,
+        digits(depth),
+        remark(depth),
+    )
+    .area(
+        match contact.floor.is_some() {
+            true => "contact area on the tops",
+            false => "contact area",
+        },
+        contact.area,
+        digits(error.area),
+        &remark(error.area),
+    );
+    if let Some(radius) = contact.contact_radius {
+        list.length("contact radius", radius, String::new());
+    }
+    if let Some([x, y]) = found.floor_contact() {
+        let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
+        let remark = format!("from the lens axis, at x = {}, y = {}", place(x), place(y));
+        list.length("floor contact", x.hypot(y), remark);
+    }
+    if let Some(floor) = contact.floor_gap
+        && (found.floor_contact().is_none() || floor.gap > 0.0)
+        && contact.floor.is_none()
+    {
+        let remark = match (found.floor_contact(), floor.gap < 0.0) {
+            (Some(_), _) => "before a top jumps into contact, during which the floor is reached",
+            (None, true) => "negative: past the transition, the load of the floor is neglected",
+            (None, false) => "",
+        };
+        list.length("smallest floor gap", floor.gap, remark.to_owned());
+    }
+    list.floor(contact);
+    let full = contact
+        .asperities
+        .iter()
+        .filter(|asperity| asperity.status == PillarStatus::Full);
+    let full = match full.count() {
+        0 => String::new(),
+        full => format!(", {full} of them up to the rim"),
+    };
+    list.row(
+        "pillars in contact",
+        contact.touched().to_string(),
+        "",
+        &format!("of {}{full}", contact.asperities.len()),
+    );
+    if contact.touched() > 0 {
+        let most =
+            |of: fn(&AsperityState) -> f64| contact.asperities.iter().map(of).fold(0.0, f64::max);
+        list.length(
+            "largest contact on a top",
+            most(|asperity| asperity.radius),
+            "radius".to_owned(),
+        )
+        .quantity(
+            "largest force on a pillar",
+            most(|asperity| asperity.force),
+            Dimension::Force,
+            LENGTH_DIGITS,
+            String::new(),
+        )
+        .row(
+            "stiffness",
+            significant(contact.slopes.force_with_indentation, LENGTH_DIGITS),
+            "N/m",
+            "",
+        );
+    }
+    list
 }
 
 fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {

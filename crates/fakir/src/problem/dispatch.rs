@@ -195,6 +195,7 @@ impl Feature {
             Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::AdhesiveTops => !field.adhesion().is_none(),
             Self::Layer => field.has_layers(),
+            Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
         };
@@ -483,9 +484,16 @@ static RULES: &[Rule] = &[
     rule(
         &[Question::FloorShare],
         ASPERITIES,
-        &[],
-        "a fraction of the load on the floor is designed for flat pillar tops only",
-        "use `approach`, which reports the fraction of every state under rounded tops",
+        &[ADHESIVE_TOPS],
+        "floor contact is not computed under rounded tops with adhesion",
+        "leave out the work of adhesion",
+    ),
+    rule(
+        &[Question::FloorShare],
+        ASPERITIES,
+        &[&[Feature::IgnoredFloor]],
+        "the floor is ignored",
+        "set the floor to contact",
     ),
     rule(
         &[Question::VerifyFloor],
