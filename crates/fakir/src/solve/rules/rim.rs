@@ -400,7 +400,7 @@ impl RimSolver {
         if active.len() != self.cells.len() {
             *active = self.pivot.constant.iter().map(|gap| *gap < 0.0).collect();
         }
-        self.pivot.solve(&self.influence, active)
+        self.pivot.solve(&self.influence, None, active)
     }
 
     /// Coefficients at another load for the cells of the last solution, with those in contact held fixed.
@@ -411,7 +411,7 @@ impl RimSolver {
         coefficients: &mut [f64],
     ) {
         self.prepare(load);
-        self.pivot.solve_active(&self.influence, active);
+        self.pivot.solve_active(&self.influence, None, active);
         self.coefficients(coefficients);
     }
 
