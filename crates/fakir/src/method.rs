@@ -249,7 +249,7 @@ fn checked_control(system: &System, control: Load) -> Result<Load, SolveError> {
 }
 
 /// Completes a state without adhesion before it is returned.
-fn finished(state: ContactState) -> Result<ContactState, SolveError> {
+pub(crate) fn finished(state: ContactState) -> Result<ContactState, SolveError> {
     check_reach(&state)?;
     with_layer_warnings(state).checked()
 }

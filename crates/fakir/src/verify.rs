@@ -10,13 +10,14 @@ mod flat;
 pub use asperities::{AsperityVerification, verify_asperities};
 pub use flat::{FlatVerification, verify_flat};
 
-use crate::method::press;
+use crate::method::{finished, press};
 use crate::numerics::convergence::{larger, within};
 use crate::problem::{
     Accuracy, ElementMesh, Feature, FloorModel, Load, Method, Question, Solver, System,
 };
 use crate::solve::elements::pattern;
 use crate::state::{ContactState, LARGEST_ERROR, Run, SolveError, Termination};
+use std::sync::{Mutex, PoisonError};
 
 /// The results of both methods, and their differences.
 #[derive(Debug, Clone)]
@@ -263,21 +264,14 @@ pub fn verify(
     let system = &system.without_leaning();
     let spectral = press(system, control, Method::Spectral(Accuracy::Accurate), run)?;
     let cells = [mesh.cells_per_diameter / 2, mesh.cells_per_diameter];
-    let answer = |cells_per_diameter: usize| match &spectral.floor {
+    let mut elements = match &spectral.floor {
         Some(floor) => {
             let reach = spectral.contact_radius.max(floor.radius) + 1.5 * system.pitch();
-            pattern::press_with_floor(system, control, cells_per_diameter, reach, run)
+            let answer = |cells| pattern::press_with_floor(system, control, cells, reach, run);
+            [answer(cells[0])?, answer(cells[1])?]
         }
-        None => {
-            let system = system.with_floor(FloorModel::Ignored);
-            let mesh = ElementMesh {
-                cells_per_diameter,
-                ..mesh
-            };
-            press(&system, control, Method::Love(mesh), run)
-        }
+        None => on_both_meshes(&system.with_floor(FloorModel::Ignored), control, mesh, run)?,
     };
-    let mut elements = [answer(cells[0])?, answer(cells[1])?];
     compare_meshes(&mut elements);
     let fine = &elements[1];
     let floor_share = spectral.floor.as_ref().map(|floor| match &fine.floor {
@@ -303,6 +297,41 @@ pub fn verify(
         spectral,
         elements,
     })
+}
+
+/// Results with elements on the tops, with half as many cells across a pillar and with all. The solution on the finer mesh starts from that
+/// on the coarser one, which is reported on the way.
+fn on_both_meshes(
+    system: &System,
+    control: Load,
+    mesh: ElementMesh,
+    run: &Run<'_>,
+) -> Result<[ContactState; 2], SolveError> {
+    let half = Method::Love(ElementMesh {
+        cells_per_diameter: mesh.cells_per_diameter / 2,
+        ..mesh
+    });
+    let reported = Mutex::new(None);
+    let listener = |state: &ContactState| {
+        if state.method == half {
+            let mut reported = reported.lock().unwrap_or_else(PoisonError::into_inner);
+            *reported = Some(state.clone());
+        }
+    };
+    let observed = Run {
+        interim: Some(&listener),
+        ..run.clone()
+    };
+    let fine = press(system, control, Method::Love(mesh), &observed)?;
+    let coarse = reported
+        .into_inner()
+        .unwrap_or_else(PoisonError::into_inner);
+    let coarse = match coarse {
+        Some(state) => finished(state)?,
+        // Without a solution, as without contact.
+        None => press(system, control, half, run)?,
+    };
+    Ok([coarse, fine])
 }
 
 /// If cells cover tops and floor, the estimates of one mesh may be small by coincidence: the difference between the meshes is added to

@@ -95,13 +95,6 @@ pub(crate) fn press(
                 ..contact
             })
         }
-        Load::FloorContact => {
-            let contact = solve(system, &scene, target, method, run)?;
-            Ok(ContactState {
-                smallest_floor_gap: 0.0, // exact up to rounding
-                ..contact
-            })
-        }
         _ => solve(system, &scene, target, method, run),
     }
 }
@@ -182,6 +175,9 @@ fn solve(
     let floor_counts = system.floor_model() == FloorModel::Contact && target != Load::FloorContact;
     let floor_carries = floor_counts && scene.floor_carries_load();
     let warned = |mut state: ContactState| {
+        if target == Load::FloorContact {
+            state.smallest_floor_gap = 0.0; // exact up to rounding
+        }
         let depth = -state.smallest_floor_gap;
         if floor_counts && !floor_carries && depth > 0.0 {
             state.warnings.push(Warning::FloorBeside { depth });
@@ -276,8 +272,17 @@ fn solve(
             assembled(&solution, lowest, error)
         }
         PillarMethod::Love(mesh) => {
-            let solution = pillars::solve(scene, target, guess, mesh, run)?;
-            Ok(warned(elements(system, scene, target, method, &solution)))
+            let answer = |solution: &ElementSolution<'_>, mesh| {
+                let method = PillarMethod::Love(mesh);
+                warned(elements(system, scene, target, method, solution))
+            };
+            let coarser = |solution: &ElementSolution<'_>, mesh| {
+                if let Some(listener) = run.interim {
+                    listener(&answer(solution, mesh));
+                }
+            };
+            let solution = pillars::solve(scene, target, guess, mesh, run, &coarser)?;
+            Ok(answer(&solution, mesh))
         }
     }
 }

@@ -70,7 +70,8 @@ pub struct Run<'a> {
     /// corrected punch lattice that is used as the initial guess (solved to three digits); and the solution before its error is estimated
     /// (the estimate is then NaN), which past the transition is that of the pillar tops alone, before floor contact. For a cycle, called
     /// with the critical state, before the lens jumps into contact with an adhesive floor. Not called for a prescribed force, or for a
-    /// contact within one pillar.
+    /// contact within one pillar. With boundary elements on pillar tops, called for every load with the results on coarser meshes of at
+    /// least 8 cells across a pillar.
     pub interim: Option<&'a (dyn Fn(&ContactState) + Sync)>,
     /// Threads that share the work; `None` runs everything on the calling thread.
     pub pool: Option<&'a rayon::ThreadPool>,

@@ -726,13 +726,15 @@ impl ElementSolution<'_> {
     }
 }
 
-/// Solves for a target on successive levels, up to the requested mesh.
+/// Solves for a target on successive levels, up to the requested mesh. `coarser` receives the solutions on the coarser meshes that are
+/// accepted as well: the same as if these had been requested.
 pub(crate) fn solve<'a>(
     scene: &'a Scene,
     target: Load,
     contact_radius: Option<f64>,
     mesh: ElementMesh,
     run: &'a Run<'a>,
+    coarser: &dyn Fn(&ElementSolution<'a>, ElementMesh),
 ) -> Result<ElementSolution<'a>, SolveError> {
     if mesh.cells_per_diameter < FEWEST_CELLS {
         return Err(SolveError::MeshTooCoarse {
@@ -778,9 +780,9 @@ pub(crate) fn solve<'a>(
             level = level.successor(mesh, limited(scene, radius))?;
         };
         radius = level.reach(&contact) + 1.5 * pitch;
-        let mut found = solved.map_or_else(Vec::new, |coarse| coarse.levels);
+        let mut found = solved.take().map_or_else(Vec::new, |coarse| coarse.levels);
         found.push([contact.force, contact.indentation]);
-        solved = Some(ElementSolution {
+        let solution = solved.insert(ElementSolution {
             products: level.products,
             level,
             contact,
@@ -788,6 +790,9 @@ pub(crate) fn solve<'a>(
             levels: found,
             punch_error: punch_error(mesh),
         });
+        if mesh.cells_per_diameter >= FEWEST_CELLS && !levels.is_empty() {
+            coarser(solution, mesh);
+        }
     }
     Ok(solved.expect("there is at least one level"))
 }
