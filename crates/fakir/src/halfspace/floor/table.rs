@@ -44,7 +44,7 @@ pub(super) struct PillarTable {
     /// The same values for every node of every block and every far pillar; zero for near ones.
     at_nodes: Vec<f64>,
     /// Interpolation from the nodes to each cell along the side of a block.
-    weights: [[f64; NODES]; BLOCK],
+    weights: Vec<[f64; NODES]>,
     /// Coefficients of these modes, and loads on them.
     coefficients: Vec<f64>,
     loads: Vec<f64>,
@@ -156,7 +156,7 @@ impl PillarTable {
         let mut table = Self {
             coefficients: vec![0.0; of_cell],
             loads: vec![0.0; of_cell],
-            weights: weights(),
+            weights: weights().to_vec(),
             pillars,
             modes,
             values,
@@ -350,19 +350,18 @@ mod tests {
                 (0..count).map(|k| (turn * k as f64).sin()).collect()
             };
             let (tops, floor) = (numbers(6 * sites.len(), 1.7), numbers(grid.len(), 0.3));
-            let mut product = |of: fn(&mut PillarTable, usize, [&[f64]; 2], [&mut [f64]; 2])| {
+            let mut product = |roughly: bool| {
                 let mut far_tops = vec![0.0; tops.len()];
                 let mut far_floor = vec![0.0; floor.len()];
-                of(
-                    &mut table,
-                    6,
-                    [&tops, &floor],
-                    [&mut far_tops, &mut far_floor],
-                );
+                let (of, far) = ([&tops[..], &floor], [&mut far_tops[..], &mut far_floor]);
+                if roughly {
+                    table.apply_roughly(6, of, far);
+                } else {
+                    table.apply(6, of, far);
+                }
                 [far_tops, far_floor]
             };
-            let exact = product(PillarTable::apply);
-            let rough = product(PillarTable::apply_roughly);
+            let [exact, rough] = [false, true].map(&mut product);
             for (exact, rough) in exact.iter().zip(&rough) {
                 let largest = exact.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
                 let differences = exact.iter().zip(rough).map(|(a, b)| (a - b).abs());
