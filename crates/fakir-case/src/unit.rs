@@ -704,6 +704,14 @@ mod tests {
             ("ms", 1e-3),
             ("min", 60.0),
             ("h", 3600.0),
+            ("m/s", 1.0),
+            ("mm/s", 1e-3),
+            ("um/s", 1e-6),
+            ("nm/s", 1e-9),
+            ("N/s", 1.0),
+            ("mN/s", 1e-3),
+            ("uN/s", 1e-6),
+            ("nN/s", 1e-9),
             ("%", 1e-2),
         ];
         for unit in UNITS.into_iter().chain(FURTHER_UNITS) {

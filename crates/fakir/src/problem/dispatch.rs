@@ -195,7 +195,6 @@ impl Feature {
             Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::AdhesiveTops => !field.adhesion().is_none(),
             Self::Layer => field.has_layers(),
-            Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
         };
