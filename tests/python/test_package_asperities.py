@@ -265,8 +265,18 @@ def test_designs_and_samples_of_rounded_tops():
     assert pulled.cycle.pull_off_force == pytest.approx(-5e-6, rel=1e-6)
     whole = adhesive.cycle()
     assert whole.turn_indentation == pytest.approx(adhesive.transition().indentation, rel=1e-9)
-    with pytest.raises(fakir.CaseError, match="designed for flat pillar tops only"):
-        fakir.design(low, "pattern.pitch", floor_share=0.1, at_force="1 mN")
+    with pytest.raises(fakir.CaseError, match="adhesi"):
+        fakir.design(adhesive, "pattern.pillar.height", floor_share=0.1, at_force="1 mN")
+
+
+@pytest.mark.slow
+def test_rounded_tops_for_a_floor_share():
+    """The tops that are found have the share, whose error is known, under the load."""
+    low = fakir.AsperityArray.from_toml(LOW)
+    force = 3 * low.transition().force
+    found = fakir.design(low, "pattern.pillar.height", floor_share="20 %", at_force=force)
+    floor = found.system.press(force=force).floor
+    assert floor.share == pytest.approx(0.2, abs=floor.error.share)
 
 
 def test_derivatives_of_rounded_tops():

@@ -1,0 +1,37 @@
+"""Fits and designs on height maps: pillars of square cross-section on cells of boundary elements."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import fakir
+from fakir.bem import Surface
+
+CASE = Path(__file__).parents[2] / "examples" / "square-pillars.toml"
+COARSE = {"surface.grid.cells_per_diameter": 5}
+
+
+@pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
+def test_a_modulus_is_in_proportion_to_the_forces():
+    """On rigid pillars under a glass lens F = E* f(zeta): forces that are 1.5 times larger are those of 1.5 times the modulus."""
+    others = {"surface.pillar.compliance": "none", "lens.young_modulus": "70 GPa", "substrate.young_modulus": "1 MPa"}
+    surface = fakir.read_case(CASE, COARSE | others)
+    indentation = np.linspace(0.2e-6, 1.5e-6, 6)
+    force = np.array([1.5 * surface.press(indentation=float(value)).force for value in indentation])
+    found = fakir.fit({"indentation_m": indentation, "force_N": force}, surface, ["substrate.young_modulus"])
+    assert found.converged and found.parameters["substrate.young_modulus"].value == pytest.approx(1.5e6, rel=2e-3)
+
+
+@pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
+def test_heights_for_a_floor_share():
+    """The share of the designed surface is the target to within the error that the value has, by the sensitivity."""
+    surface = fakir.read_case(CASE, COARSE)
+    found = fakir.design(surface, "surface.pillar.height", floor_share=0.5, at_indentation="2 um")
+    assert isinstance(found.system, Surface) and found.relative_error > 0
+    again = found.system.press(indentation="2 um")
+    share = again.floor.force / again.force
+    assert share == pytest.approx(0.5, abs=0.5 * abs(found.sensitivity) * found.relative_error)
+    assert found.state.floor.force == pytest.approx(again.floor.force, rel=1e-9)
+    with pytest.raises(fakir.DesignError, match="not supported on a height map"):
+        _ = found.cycle
