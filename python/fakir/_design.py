@@ -49,8 +49,9 @@ class Candidate(NamedTuple):
     def critical(self) -> CriticalState | AsperityTransition | SurfaceTransition:
         """Its critical state; computed on access for a target floor share or pull-off force."""
         reached = self.reached
-        is_critical = isinstance(reached, (CriticalState, AsperityTransition, SurfaceTransition))
-        return reached if is_critical else self.system.transition()
+        if isinstance(reached, (CriticalState, AsperityTransition, SurfaceTransition)):
+            return reached
+        return self.system.transition()
 
     @property
     def cycle(self) -> Cycle | AsperityCycle:
