@@ -170,14 +170,27 @@ fn install_command(
     let program = crates.iter().find(|of| of.name == "fakir-cli");
     let program = program.ok_or("fakir-cli was not packaged")?;
     let root = folder.join("installed");
-    run(Command::new(cargo)
+    // The command of this workspace, which other checks use, is put back in the place of the one without optimisation.
+    let built = target
+        .join("release")
+        .join(format!("fakir{}", std::env::consts::EXE_SUFFIX));
+    let kept = folder.join("kept");
+    let is_built = built.is_file();
+    if is_built {
+        fs::copy(&built, &kept).map_err(|error| at(&built, &error))?;
+    }
+    let installed = run(Command::new(cargo)
         .args(quickly(crates))
         .args(["install", "--locked", "--quiet", "--path"])
         .arg(&program.folder)
         .arg("--root")
         .arg(&root)
         .current_dir(folder)
-        .env("CARGO_TARGET_DIR", target))?;
+        .env("CARGO_TARGET_DIR", target));
+    if is_built {
+        fs::rename(&kept, &built).map_err(|error| at(&built, &error))?;
+    }
+    installed?;
     Ok(root)
 }
 
