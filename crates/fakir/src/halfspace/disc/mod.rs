@@ -6,6 +6,7 @@
 //!
 //! * [`basis`]: the modes, and the surface displacement due to each of them inside the disc;
 //! * [`exterior`]: the displacement outside the disc;
+//! * [`mode_rule`]: integrals of modes times functions over a disc;
 //! * [`nodes`]: the points at which `q >= 0` is required;
 //! * [`projection`]: the lens shape over a pillar top;
 //! * [`covered`]: the region in contact on a partially covered top, and the pressure on it;
@@ -13,5 +14,6 @@
 pub(crate) mod basis;
 pub(crate) mod covered;
 pub(crate) mod exterior;
+pub(crate) mod mode_rule;
 pub(crate) mod nodes;
 pub(crate) mod projection;

@@ -1,7 +1,6 @@
 //! The lens shape over a pillar top, expanded in its pressure modes.
 
-use super::basis::{BasisEvaluator, mode_count};
-use crate::numerics::quadrature::hemisphere;
+use super::mode_rule::ModeRule;
 use crate::problem::scaled::SMALL_LENS;
 use crate::problem::{Point, ShapedLens};
 
@@ -17,33 +16,20 @@ fn load_degree(lens: &ShapedLens) -> usize {
 
 /// Projects the lens shape over pillar tops on their modes.
 pub(crate) struct LensProjector {
-    points: Vec<Point>,
-    /// Weight times mode, one row per point.
-    weights: Vec<f64>,
-    count: usize,
+    rule: ModeRule,
 }
 
 impl LensProjector {
     pub(crate) fn new(lens: &ShapedLens, degree: usize) -> Self {
         let degree = degree.max(load_degree(lens));
-        let count = mode_count(degree);
-        let mut basis = BasisEvaluator::new(degree);
-        let rule = hemisphere(degree / 2 + 3, 2 * degree + 5);
-        let mut weights = vec![0.0; rule.len() * count];
-        for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(count)) {
-            basis.evaluate(*point, row);
-            row.iter_mut().for_each(|value| *value *= weight);
-        }
         Self {
-            points: rule.into_iter().map(|(point, _)| point).collect(),
-            weights,
-            count,
+            rule: ModeRule::new(degree, degree / 2 + 3, 2 * degree + 5),
         }
     }
 
     /// Number of modes in the projection.
     pub(crate) fn count(&self) -> usize {
-        self.count
+        self.rule.count()
     }
 
     /// Computes `- ∫ Y_i f dOmega` over the pillar top with this centre and radius, for as many modes as the length of `load`.
@@ -59,18 +45,7 @@ impl LensProjector {
         function: impl Fn(Point, Point) -> f64,
         load: &mut [f64],
     ) {
-        load.fill(0.0);
-        for (point, row) in self
-            .points
-            .iter()
-            .zip(self.weights.chunks_exact(self.count))
-        {
-            let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-            let target = function(at, *point);
-            for (value, weight) in load.iter_mut().zip(row) {
-                *value += weight * target;
-            }
-        }
+        self.rule.project((centre, radius), function, load);
     }
 }
 

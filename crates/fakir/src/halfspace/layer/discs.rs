@@ -6,9 +6,9 @@
 //! disc on itself.
 
 use super::force::AroundForce;
-use crate::halfspace::disc::basis::{BasisEvaluator, mode_count};
+use crate::halfspace::disc::basis::mode_count;
+use crate::halfspace::disc::mode_rule::ModeRule;
 use crate::halfspace::jet::FieldJet;
-use crate::numerics::quadrature::hemisphere;
 use crate::problem::Point;
 use crate::problem::layer::WeightedLayer;
 use std::f64::consts::PI;
@@ -20,30 +20,10 @@ const DEGREES: [usize; 5] = [5, 9, 13, 21, 33];
 /// Relative size of the neglected terms of the correction.
 const TOLERANCE: f64 = 1e-9;
 
-/// Points of a disc, with the weight times every mode.
-#[derive(Debug, Clone)]
-struct Rule {
-    points: Vec<Point>,
-    weights: Vec<f64>,
-}
-
-impl Rule {
-    /// Exact for modes times polynomials of these degrees.
-    fn new(modes: usize, polynomial: usize) -> Self {
-        let sum = modes + polynomial + 1;
-        let mut basis = BasisEvaluator::new(modes);
-        let count = mode_count(modes);
-        let rule = hemisphere(sum.div_ceil(4), sum);
-        let mut weights = vec![0.0; rule.len() * count];
-        for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(count)) {
-            basis.evaluate(*point, row);
-            row.iter_mut().for_each(|value| *value *= weight);
-        }
-        Self {
-            points: rule.into_iter().map(|(point, _)| point).collect(),
-            weights,
-        }
-    }
+/// Exact for modes times polynomials of these degrees.
+fn exact_rule(modes: usize, polynomial: usize) -> ModeRule {
+    let sum = modes + polynomial + 1;
+    ModeRule::new(modes, sum.div_ceil(4), sum)
 }
 
 /// The correction for layers of discs with modes up to a degree.
@@ -51,7 +31,7 @@ impl Rule {
 pub(crate) struct LayeredDiscs {
     around: Arc<AroundForce>,
     modes: usize,
-    rules: Vec<Rule>,
+    rules: Vec<ModeRule>,
 }
 
 /// Sums for every mode of a source at a point of the receiver.
@@ -67,12 +47,12 @@ impl LayeredDiscs {
         Self {
             around,
             modes: mode_count(degree),
-            rules: DEGREES.map(|of| Rule::new(degree, of)).into(),
+            rules: DEGREES.map(|of| exact_rule(degree, of)).into(),
         }
     }
 
     /// The rule for offsets of points up to a fraction of the distance from the branch points.
-    fn rule(&self, part: f64) -> &Rule {
+    fn rule(&self, part: f64) -> &ModeRule {
         let is_enough = |degree: &usize| part.powi(*degree as i32 + 1) < TOLERANCE;
         let place = DEGREES.iter().position(is_enough);
         &self.rules[place.unwrap_or(DEGREES.len() - 1)]
@@ -97,7 +77,7 @@ impl LayeredDiscs {
             by_source: zero(),
         };
         let [along_x, along_y, of_receiver, of_source] = slopes;
-        for (point, row) in rule.points.iter().zip(rule.weights.chunks_exact(count)) {
+        for (point, row) in rule.rows() {
             let from = [0, 1].map(|k| offset[k] + receiver * point[k]);
             self.fill_at(rule, from, source, &mut sums);
             for (line, weight) in row.iter().enumerate() {
@@ -116,7 +96,7 @@ impl LayeredDiscs {
         }
     }
 
-    fn fill_at(&self, rule: &Rule, [x, y]: Point, source: f64, sums: &mut AtPoint) {
+    fn fill_at(&self, rule: &ModeRule, [x, y]: Point, source: f64, sums: &mut AtPoint) {
         let AtPoint {
             value,
             gradient: [along_x, along_y],
@@ -125,8 +105,7 @@ impl LayeredDiscs {
         for all in [&mut *value, along_x, along_y, by_source] {
             all.fill(0.0);
         }
-        let count = self.modes;
-        for (point, row) in rule.points.iter().zip(rule.weights.chunks_exact(count)) {
+        for (point, row) in rule.rows() {
             let [u, v] = [x - source * point[0], y - source * point[1]];
             let [at, slope] = self.around.value_and_slope(u.hypot(v));
             let [u, v] = [slope * u, slope * v];
@@ -143,13 +122,11 @@ impl LayeredDiscs {
     /// The forces that replace the pressure with these moments on a disc, divided by pi.
     fn forces(&self, (centre, radius): (Point, f64), moments: &[f64]) -> Vec<(Point, f64)> {
         let rule = self.rule(radius / self.around.smoothness(0.0));
-        let rows = rule.weights.chunks_exact(self.modes);
-        let points = rule.points.iter().zip(rows);
         let force = |(point, row): (&Point, &[f64])| {
             let force: f64 = row.iter().zip(moments).map(|(w, m)| w * m).sum();
             ([0, 1].map(|k| centre[k] + radius * point[k]), force / PI)
         };
-        points.map(force).collect()
+        rule.rows().map(force).collect()
     }
 }
 

@@ -55,48 +55,43 @@ impl AroundForce {
         value[0]
     }
 
-    /// The value at a distance, and its derivative divided by the distance.
-    pub(crate) fn value_and_slope(&self, distance: f64) -> [f64; 2] {
+    /// The value `f(r)` at a distance, `f'/r`, and `f''`.
+    fn radial(&self, distance: f64) -> [f64; 3] {
         let [mut value, mut first, mut second] = [[0.0]; 3];
         let jets = [&mut value[..], &mut first, &mut second];
         self.table.jets(distance, jets);
-        // f'/r; at the force itself the field is a paraboloid.
+        // At the force itself the field is a paraboloid.
         let slope = if distance > 0.0 {
             first[0] / distance
         } else {
             second[0]
         };
-        [value[0], slope]
+        [value[0], slope, second[0]]
+    }
+
+    /// The value at a distance, and its derivative divided by the distance.
+    pub(crate) fn value_and_slope(&self, distance: f64) -> [f64; 2] {
+        let [value, slope, _] = self.radial(distance);
+        [value, slope]
     }
 
     /// The value at a distance and its Laplacian.
     pub(crate) fn value_and_laplacian(&self, distance: f64) -> [f64; 2] {
-        let [mut value, mut first, mut second] = [[0.0]; 3];
-        let jets = [&mut value[..], &mut first, &mut second];
-        self.table.jets(distance, jets);
-        let slope = if distance > 0.0 {
-            first[0] / distance
-        } else {
-            second[0]
-        };
-        [value[0], second[0] + slope]
+        let [value, slope, second] = self.radial(distance);
+        [value, second + slope]
     }
 
     /// The value and derivatives at an offset from the force.
     pub(crate) fn jet(&self, [x, y]: [f64; 2]) -> FieldJet {
         let distance = x.hypot(y);
-        let [mut value, mut first, mut second] = [[0.0]; 3];
-        let jets = [&mut value[..], &mut first, &mut second];
-        self.table.jets(distance, jets);
-        // f'/r, and (f'' - f'/r)/r^2; at the force itself the field is a paraboloid.
-        let (slope, twist) = if distance > 0.0 {
-            let slope = first[0] / distance;
-            (slope, (second[0] - slope) / (distance * distance))
+        let [value, slope, second] = self.radial(distance);
+        let twist = if distance > 0.0 {
+            (second - slope) / (distance * distance)
         } else {
-            (second[0], 0.0)
+            0.0
         };
         FieldJet {
-            value: value[0],
+            value,
             gradient: [slope * x, slope * y],
             hessian: [slope + twist * x * x, twist * x * y, slope + twist * y * y],
         }

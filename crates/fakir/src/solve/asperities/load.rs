@@ -1,9 +1,9 @@
 //! Undeformed gap between the indenter and an asperity.
 
-use crate::halfspace::disc::basis::{BasisEvaluator, UNIT_FORCE, mode_count};
+use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::halfspace::disc::mode_rule::ModeRule;
 use crate::halfspace::layer::discs::LayerField;
 use crate::halfspace::layer::force::AroundForce;
-use crate::numerics::quadrature::hemisphere;
 use crate::problem::point::turned;
 use crate::problem::{Asperity, LensShape, Point, ShapedLens};
 use std::sync::Arc;
@@ -245,12 +245,7 @@ impl FloorForces {
 
 /// Projects the overlap over a disc onto the pressure modes.
 #[derive(Debug, Clone)]
-pub(crate) struct LoadRule {
-    points: Vec<Point>,
-    /// Weight times mode, one row per point.
-    weights: Vec<f64>,
-    modes: usize,
-}
+pub(crate) struct LoadRule(ModeRule);
 
 /// Load coefficients of the overlap over a disc, and their derivatives with respect to its position along x and y and its radius.
 #[derive(Debug, Clone)]
@@ -261,24 +256,12 @@ pub(crate) struct DiscLoad {
 
 impl LoadRule {
     pub(crate) fn new(degree: usize) -> Self {
-        let modes = mode_count(degree);
-        let mut basis = BasisEvaluator::new(degree);
         // Exact for overlaps of degree 4 and less.
-        let rule = hemisphere(degree / 2 + 3, 2 * degree + 7);
-        let mut weights = vec![0.0; rule.len() * modes];
-        for ((point, weight), row) in rule.iter().zip(weights.chunks_exact_mut(modes)) {
-            basis.evaluate(*point, row);
-            row.iter_mut().for_each(|value| *value *= weight);
-        }
-        Self {
-            points: rule.into_iter().map(|(point, _)| point).collect(),
-            weights,
-            modes,
-        }
+        Self(ModeRule::new(degree, degree / 2 + 3, 2 * degree + 7))
     }
 
     pub(crate) fn workspace(&self) -> DiscLoad {
-        let row = || vec![0.0; self.modes];
+        let row = || vec![0.0; self.0.count()];
         DiscLoad {
             value: row(),
             slopes: [row(), row(), row()],
@@ -286,19 +269,9 @@ impl LoadRule {
     }
 
     /// Projects a function of the position over a disc.
-    pub(crate) fn project(
-        &self,
-        (centre, radius): (Point, f64),
-        value: impl Fn(Point) -> f64,
-    ) -> Vec<f64> {
-        let mut projected = vec![0.0; self.modes];
-        let rows = self.weights.chunks_exact(self.modes);
-        for (point, row) in self.points.iter().zip(rows) {
-            let value = value([0, 1].map(|k| centre[k] + radius * point[k]));
-            for (sum, weight) in projected.iter_mut().zip(row) {
-                *sum += weight * value;
-            }
-        }
+    pub(crate) fn project(&self, disc: (Point, f64), value: impl Fn(Point) -> f64) -> Vec<f64> {
+        let mut projected = vec![0.0; self.0.count()];
+        self.0.project(disc, |at, _| value(at), &mut projected);
         projected
     }
 
@@ -313,11 +286,7 @@ impl LoadRule {
         load.slopes.iter_mut().for_each(|slope| slope.fill(0.0));
         // The overlap at the centre is treated separately, so that the remainder is of the order of the contact size.
         let middle = overlap(centre).value;
-        for (point, row) in self
-            .points
-            .iter()
-            .zip(self.weights.chunks_exact(self.modes))
-        {
+        for (point, row) in self.0.rows() {
             let at = [0, 1].map(|k| centre[k] + radius * point[k]);
             let jet = overlap(at);
             let [x, y] = jet.slope;
