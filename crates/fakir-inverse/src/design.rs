@@ -250,7 +250,7 @@ impl Reached {
         Some([force, radius.unwrap_or(f64::NAN)])
     }
 
-    /// Fraction of the load on the floor and its estimated relative error; `None` if the floor carries nothing, and under rounded tops.
+    /// Fraction of the load on the floor and its estimated relative error; `None` if the floor carries nothing.
     #[must_use]
     pub fn floor_share(&self) -> Option<[f64; 2]> {
         let Some(contact) = self.on_map() else {
@@ -1095,46 +1095,45 @@ impl Search<'_> {
             turn: load.into(),
             ..CyclePlan::default()
         };
-        let solved = match (case, self.wanted) {
+        Ok(match (case, self.wanted) {
             (AnyCase::HeightMap(file), Wanted::FloorShare { load, .. }) => {
-                return self
-                    .on_map(file, |system| {
-                        let contact = system.press(load, self.run)?;
-                        contact.shares.map(|_| contact).ok_or(SolveError::NoFloor)
-                    })
-                    .map(|answered| Reached::PressedOnMap(Box::new(answered)));
+                let answered = self.on_map(file, |system| {
+                    let contact = system.press(load, self.run)?;
+                    contact.shares.map(|_| contact).ok_or(SolveError::NoFloor)
+                })?;
+                Reached::PressedOnMap(Box::new(answered))
             }
             (AnyCase::HeightMap(file), _) => {
-                return self
-                    .on_map(file, |system| system.transition(self.run))
-                    .map(|answered| Reached::CriticalOnMap(Box::new(answered)));
+                let answered = self.on_map(file, |system| system.transition(self.run))?;
+                Reached::CriticalOnMap(Box::new(answered))
             }
             (AnyCase::Pillars(case), Wanted::FloorShare { load, .. }) => {
-                fakir::press(&case.system, load, case.method, self.run).map(Reached::Pressed)
+                let contact = fakir::press(&case.system, load, case.method, self.run)?;
+                Reached::Pressed(contact)
             }
             (AnyCase::Pillars(case), Wanted::PullOff { load, .. }) => {
-                fakir::cycle(&case.system, plan(load), case.method, self.run)
-                    .map(|cycle| Reached::PulledOff(Box::new(cycle)))
+                let cycle = fakir::cycle(&case.system, plan(load), case.method, self.run)?;
+                Reached::PulledOff(Box::new(cycle))
             }
             (AnyCase::Pillars(case), _) => {
-                fakir::transition(&case.system, case.method, self.run).map(Reached::Critical)
+                let critical = fakir::transition(&case.system, case.method, self.run)?;
+                Reached::Critical(critical)
             }
             (AnyCase::Asperities(case), Wanted::PullOff { load, .. }) => {
                 let cycle = case.field.cycle(plan(load), case.accuracy, self.run)?;
-                Ok(Reached::PulledOffTops(Box::new(cycle)))
+                Reached::PulledOffTops(Box::new(cycle))
             }
             (AnyCase::Asperities(case), Wanted::Force(_) | Wanted::ContactRadius(_)) => {
                 let critical = case.field.transition(case.accuracy, self.run)?;
-                Ok(Reached::CriticalOfTops(Box::new(critical)))
+                Reached::CriticalOfTops(Box::new(critical))
             }
             (AnyCase::Asperities(case), Wanted::FloorShare { load, .. }) => {
                 let contact = case.field.press(load, case.accuracy, self.run)?;
-                Ok(Reached::PressedTops(Box::new(contact)))
+                Reached::PressedTops(Box::new(contact))
             }
-            // Other surfaces are refused before.
-            (AnyCase::Flat(_), _) => Err(SolveError::NoFloor),
-        };
-        Ok(solved?)
+            // Flat surfaces are refused before.
+            (AnyCase::Flat(_), _) => return Err(SolveError::NoFloor.into()),
+        })
     }
 
     /// Solves a problem on a height map, on a grid that is wide enough.

@@ -22,7 +22,7 @@ pub struct StudyFile {
     pub(super) case: CaseFile,
     pub(super) asked: Asked,
     pub(super) combine: Combine,
-    pub(super) load: Option<FixedLoad>,
+    pub(super) load: Option<FixedNumber>,
     pub(super) drive: LoadingMode,
     /// Duration or rate of the ramp, and duration of the hold, that are the same in every case.
     pub(super) ramp: Option<FixedNumber>,
@@ -30,15 +30,7 @@ pub struct StudyFile {
     pub(super) varied: Vec<Varied>,
 }
 
-/// A load that is the same in every case.
-#[derive(Debug, Clone)]
-pub(super) struct FixedLoad {
-    pub(super) variable: Variable,
-    pub(super) load: Load,
-    pub(super) place: Place,
-}
-
-/// A time or a rate, in SI units, that is the same in every case.
+/// A load, a time or a rate, in SI units, that is the same in every case.
 #[derive(Debug, Clone)]
 pub(super) struct FixedNumber {
     pub(super) variable: Variable,
@@ -379,7 +371,7 @@ impl StudyFile {
         self.leave_out_idle_keys(&mut file, &steps);
         let ramp = self.ramp.as_ref();
         let mut posed = Posed {
-            load: self.load.as_ref().map(|fixed| fixed.load),
+            load: (self.load.as_ref()).map(|fixed| prescribed(fixed.variable, fixed.value)),
             ramp: ramp.map(|fixed| (fixed.variable, fixed.value)),
             hold_time: self.hold_time.as_ref().map_or(0.0, |fixed| fixed.value),
         };
@@ -403,7 +395,7 @@ impl StudyFile {
                 ramp if Variable::RAMP.contains(&ramp) => {
                     posed.ramp = Some((ramp, not_negative(ramp, &entry)?));
                 }
-                load => posed.load = Some(prescribed(load, &entry)?),
+                load => posed.load = Some(prescribed(load, not_negative(load, &entry)?)),
             }
             coordinates.push(coordinate);
         }
@@ -508,13 +500,12 @@ impl StudyFile {
     }
 }
 
-/// The load of an entry.
-pub(super) fn prescribed(variable: Variable, entry: &Entry) -> Result<Load, CaseError> {
-    let value = not_negative(variable, entry)?;
-    Ok(match variable {
+/// The load of a variable with a value.
+fn prescribed(variable: Variable, value: f64) -> Load {
+    match variable {
         Variable::Force => Load::Force(value),
         _ => Load::Indentation(value),
-    })
+    }
 }
 
 /// The number of an entry, which is not negative: a load, a time, or a rate, which is not 0 either.

@@ -46,8 +46,7 @@ use crate::parts::Words;
 use crate::support::SurfaceKind;
 use crate::surface::SurfaceExample;
 use crate::unit::{Dimension, format_quantity};
-use fakir::problem::{Load, LoadingMode, Method};
-use file::FixedLoad;
+use fakir::problem::{LoadingMode, Method};
 use posed::Surfaces;
 use std::fmt::Write;
 
@@ -265,15 +264,10 @@ impl Study {
         let file = &self.file;
         let _ = writeln!(text, "\n[study]\nquestion = \"{}\"", file.asked.name());
         let _ = writeln!(text, "combine = \"{}\"", file.combine.word());
-        if let Some(FixedLoad {
-            variable,
-            load: Load::Force(value) | Load::Indentation(value),
-            ..
-        }) = &file.load
+        for fixed in [&file.load, &file.ramp, &file.hold_time]
+            .into_iter()
+            .flatten()
         {
-            let _ = writeln!(text, "{} = {}", variable.path(), variable.written(*value));
-        }
-        for fixed in [&file.ramp, &file.hold_time].into_iter().flatten() {
             let (path, written) = (fixed.variable.path(), fixed.variable.written(fixed.value));
             let _ = writeln!(text, "{path} = {written}");
         }

@@ -2,7 +2,7 @@
 
 use super::asked::{Asked, Combine};
 use super::axis::{Axis, PointSpacing, Range, Unnamed, Values, Variable};
-use super::file::{FixedLoad, FixedNumber, MAXIMUM_CASES, StudyFile, Varied, prescribed};
+use super::file::{FixedNumber, MAXIMUM_CASES, StudyFile, Varied};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, STUDY_TABLES, Value, both_given, document, in_order, kind_name,
     one_of, plain_value,
@@ -174,7 +174,7 @@ struct Settings {
     /// Position of the question.
     question: Option<Place>,
     combine: Combine,
-    load: Option<FixedLoad>,
+    load: Option<FixedNumber>,
     driven: Driven,
     ramp: Option<FixedNumber>,
     hold_time: Option<FixedNumber>,
@@ -358,11 +358,7 @@ impl Reader<'_> {
                         let (a, b) = (("indentation", &first.place), ("force", &entry.place));
                         return Err(both_given(a, b, "study").accepted("give only one"));
                     }
-                    settings.load = Some(FixedLoad {
-                        variable,
-                        load: prescribed(variable, &entry)?,
-                        place: entry.place,
-                    });
+                    settings.load = Some(FixedNumber::read(variable, entry)?);
                 }
                 other => {
                     return Err(self.unknown(name.span(), &path, other, &KEYS, "[study]"));

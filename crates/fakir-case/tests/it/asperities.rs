@@ -213,20 +213,25 @@ fn lenses_of_every_shape_are_read_and_written() {
         assert_eq!(case.lens_settings().is_empty(), name.is_none());
         let again = rounded(&case.to_toml());
         assert_eq!(again.field, case.field);
-        let made = AsperityCase::new(
-            case.field.clone(),
-            case.accuracy,
-            case.height,
-            PillarCompliance::None,
-            case.lens_settings().to_vec(),
-        );
-        let text = made.unwrap().to_toml();
+        let text = made_of(&case).to_toml();
         for key in ["shape", "tilt = ", "angle = ", "radius = "] {
             let given = lens.contains(&format!("\n{key}")) || lens.starts_with(key);
             let table = text.split("[substrate]").next().unwrap();
             assert_eq!(table.contains(&format!("\n{key}")), given, "{key}: {text}");
         }
     }
+}
+
+/// The same case made of an array, without a file.
+fn made_of(case: &AsperityCase) -> AsperityCase {
+    let made = AsperityCase::new(
+        case.field.clone(),
+        case.accuracy,
+        case.height,
+        PillarCompliance::None,
+        case.lens_settings().to_vec(),
+    );
+    made.unwrap()
 }
 
 /// Both bodies can be layers, also those of a case made of an array; a base without a thickness is refused.
@@ -248,14 +253,7 @@ fn layers_are_those_of_the_keys() {
         let soft = Material::new(3e6, 0.3);
         assert_eq!(film.base, Base::Elastic(soft));
         assert_eq!(rounded(&case.to_toml()).field, case.field);
-        let made = AsperityCase::new(
-            case.field.clone(),
-            case.accuracy,
-            case.height,
-            PillarCompliance::None,
-            case.lens_settings().to_vec(),
-        );
-        let made = made.unwrap();
+        let made = made_of(&case);
         assert_eq!(made.field.layers(), case.field.layers());
         let text = made.to_toml();
         assert_eq!(text.matches("\nthickness = ").count(), 2, "{text}");

@@ -156,19 +156,19 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
             asperity_cycle_warnings(case, cycle)
         }
         (Reached::CriticalOnMap(found), _) => {
-            let mut all = warnings(&found.answer.contact);
-            all.extend(found.widened.clone());
-            all
+            with_widening(warnings(&found.answer.contact), &found.widened)
         }
-        (Reached::PressedOnMap(found), _) => {
-            let mut all = warnings(&found.answer);
-            all.extend(found.widened.clone());
-            all
-        }
+        (Reached::PressedOnMap(found), _) => with_widening(warnings(&found.answer), &found.widened),
         (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
         (Reached::PressedTops(contact), _) => warnings(contact.as_ref()),
         (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
     }
+}
+
+/// Warnings of a contact with a height map, and that its grid is wider than in the case, if it is.
+fn with_widening(mut warnings: Vec<String>, widened: &Option<String>) -> Vec<String> {
+    warnings.extend(widened.clone());
+    warnings
 }
 
 fn design_text(answer: &Answer, described: &Described) -> String {
@@ -202,9 +202,10 @@ fn design_text(answer: &Answer, described: &Described) -> String {
             with_sensitivity(answer, rows)
         }
         Reached::Pressed(state) => with_sensitivity(answer, pressed_rows(state)),
-        Reached::PressedTops(contact) => {
-            with_sensitivity(answer, fakir_study::answer::pressed_tops(contact))
-        }
+        Reached::PressedTops(contact) => with_sensitivity(
+            answer,
+            fakir_study::answer::quantities_of_tops(contact, None),
+        ),
         Reached::PulledOff(cycle) => {
             let mut rows = QuantityList::default();
             fakir_study::answer::turn_and_pull_off(&mut rows, cycle);

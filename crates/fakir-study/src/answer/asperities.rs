@@ -16,7 +16,9 @@ use crate::result::{
     AsperityEventRow, AsperityStepRow, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
     csv, json, left_out_words,
 };
-use fakir::problem::{CyclePlan, Feature, Interactions, Load, Question, Solver, UnloadingPoint};
+use fakir::problem::{
+    CyclePlan, Feature, Interactions, Load, Point, Question, Solver, UnloadingPoint,
+};
 use fakir::state::{
     AsperityContact, AsperityCycle, AsperityState, CycleEventKind, Limit, PillarStatus, Regime,
     Run, Solution, SolveError,
@@ -139,7 +141,7 @@ impl Kind for AsperityCase {
     }
 
     fn quantities(&self, found: &Reached<AsperityContact>) -> QuantityList {
-        quantities_of_tops(found)
+        quantities_of_tops(found.contact(), found.floor_contact())
     }
 
     fn solution(&self, list: &mut QuantityList, contact: &AsperityContact, wall_time: f64) {
@@ -257,55 +259,36 @@ impl Found<AsperityCase> for AsperityCycle {
     }
 }
 
-/// The numbers of a contact with rounded tops under a load.
+/// The numbers of a contact with rounded tops in a report, and where it reaches the floor, if it is that of the critical state.
 #[must_use]
-pub fn pressed_tops(contact: &AsperityContact) -> QuantityList {
-    quantities_of_tops(&Reached::Contact(contact.clone()))
-}
-
-/// The numbers of a contact with rounded tops in a report.
-fn quantities_of_tops(found: &Reached<AsperityContact>) -> QuantityList {
-    let contact = found.contact();
+pub fn quantities_of_tops(contact: &AsperityContact, floor_contact: Option<Point>) -> QuantityList {
     let error = contact.error.unwrap_or_default();
     let relative = |error: f64, value: f64| if value > 0.0 { error / value } else { 0.0 };
     let depth = relative(error.indentation, contact.indentation.abs());
     let mut list = QuantityList::default();
-    list.quantity(
-        "force",
-        contact.force,
-        Dimension::Force,
-        digits(error.force),
-        remark(error.force),
-    )
-    .quantity(
-        "indentation",
-        contact.indentation,
-        Dimension::Length,
-        digits(depth),
-        remark(depth),
-    )
-    .area(
-        match contact.floor.is_some() {
-            true => "contact area on the tops",
-            false => "contact area",
-        },
-        contact.area,
-        digits(error.area),
-        &remark(error.area),
-    );
+    list.force_and_indentation([[contact.force, error.force], [contact.indentation, depth]])
+        .area(
+            match contact.floor.is_some() {
+                true => "contact area on the tops",
+                false => "contact area",
+            },
+            contact.area,
+            digits(error.area),
+            &remark(error.area),
+        );
     if let Some(radius) = contact.contact_radius {
         list.length("contact radius", radius, String::new());
     }
-    if let Some([x, y]) = found.floor_contact() {
+    if let Some([x, y]) = floor_contact {
         let place = |value: f64| with_unit(value, Dimension::Length, LENGTH_DIGITS);
         let remark = format!("from the lens axis, at x = {}, y = {}", place(x), place(y));
         list.length("floor contact", x.hypot(y), remark);
     }
     if let Some(floor) = contact.floor_gap
-        && (found.floor_contact().is_none() || floor.gap > 0.0)
+        && (floor_contact.is_none() || floor.gap > 0.0)
         && contact.floor.is_none()
     {
-        let remark = match (found.floor_contact(), floor.gap < 0.0) {
+        let remark = match (floor_contact, floor.gap < 0.0) {
             (Some(_), _) => "before a top jumps into contact, during which the floor is reached",
             (None, true) => "negative: past the transition, the load of the floor is neglected",
             (None, false) => "",

@@ -123,20 +123,10 @@ impl Kind for FlatCase {
         let contact = found.contact();
         let error = contact.error;
         let mut list = QuantityList::default();
-        list.quantity(
-            "force",
-            contact.force,
-            Dimension::Force,
-            digits(error.force),
-            remark(error.force),
-        )
-        .quantity(
-            "indentation",
-            contact.indentation,
-            Dimension::Length,
-            digits(error.indentation),
-            remark(error.indentation),
-        )
+        list.force_and_indentation([
+            [contact.force, error.force],
+            [contact.indentation, error.indentation],
+        ])
         .radius(
             "contact radius",
             contact.contact_radius,

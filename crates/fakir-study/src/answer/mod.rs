@@ -26,7 +26,7 @@ mod loading;
 mod pillars;
 mod request;
 
-pub use asperities::{pressed_tops, turn_and_pull_off_of_tops};
+pub use asperities::{quantities_of_tops, turn_and_pull_off_of_tops};
 pub use cycle::turn_and_pull_off;
 pub use height_map::load_and_shares;
 pub use request::{AnswerError, Details, Maps, Request, Running};

@@ -347,6 +347,18 @@ impl QuantityList {
         self
     }
 
+    /// Force and indentation, each with its relative error.
+    pub(crate) fn force_and_indentation(&mut self, rows: [[f64; 2]; 2]) -> &mut Self {
+        let names = [
+            ("force", Dimension::Force),
+            ("indentation", Dimension::Length),
+        ];
+        for ((name, dimension), [value, error]) in names.into_iter().zip(rows) {
+            self.quantity(name, value, dimension, digits(error), remark(error));
+        }
+        self
+    }
+
     /// A contact radius, with the digits that its relative error leaves.
     pub fn radius(&mut self, name: &str, value: f64, error: f64, remark: String) -> &mut Self {
         let estimate = error_remark(error);

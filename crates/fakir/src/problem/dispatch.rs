@@ -438,13 +438,6 @@ static RULES: &[Rule] = &[
         "use the spectral method",
     ),
     rule(
-        &[Question::FloorShare],
-        ON_PILLARS,
-        &[&[Feature::IgnoredFloor]],
-        "the floor is ignored",
-        "set the floor to contact",
-    ),
-    rule(
         &[Question::Fields],
         &[Solver::Elements, Solver::Homogenised],
         &[],
@@ -489,7 +482,7 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[Question::FloorShare],
-        ASPERITIES,
+        &[Solver::Spectral, Solver::Asperities],
         &[&[Feature::IgnoredFloor]],
         "the floor is ignored",
         "set the floor to contact",
