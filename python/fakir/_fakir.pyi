@@ -511,6 +511,8 @@ class Surface:
     def substrate(self) -> list[float]: ...
     @property
     def layers(self) -> list[tuple[float, str, list[float] | None] | None]: ...
+    @property
+    def adhesion(self) -> tuple[float, float | None, bool] | None: ...
 
 @final
 class SurfaceContact(Answer):
@@ -534,6 +536,13 @@ def approach_surface(
     to_force: float | None,
     options: Options,
 ) -> tuple[str, SurfaceTransition | None, list[SurfaceContact]]: ...
+def cycle_surface(
+    surface: Surface,
+    to: float | None,
+    to_force: float | None,
+    retract: bool,
+    options: Options,
+) -> tuple[Answer, list[tuple[str, float, float, float]], SurfaceContact, SurfaceContact | None]: ...
 def verify_surface(
     surface: Surface,
     indentation: float | None,

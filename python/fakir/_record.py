@@ -39,6 +39,7 @@ GROUPS = {
     "error.critical_indentation": "CycleError",
     "error.pull_off_force": "CycleError",
     "error.hysteresis": "CycleError",
+    "surface_cycle.error": "SurfaceCycleErrors",
     "flat_cycle.error": "FlatCycleErrors",
     "history.error": "HistoryErrors",
     "floor.error": "FloorErrors",

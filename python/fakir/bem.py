@@ -15,10 +15,11 @@ import numpy as np
 
 from . import _fakir
 from ._bodies import AnyLens, Lens, Substrate, layer_numbers, layer_options, lens_of, shape_of
+from ._cycle import Adhesion
 from ._format import Row, engineering, remark
 from ._history import Viscoelastic
 from ._loading import Loading, checked_path, in_order
-from ._numbers import SurfacePressNumbers, SurfaceTransitionNumbers
+from ._numbers import SurfaceCycleNumbers, SurfacePressNumbers, SurfaceTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, finite, si
 from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, load_or_critical, overrides_of, settings
@@ -27,6 +28,7 @@ from ._verification import Opinion, checked_cells
 from .errors import NotConverged
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 __all__ = [
@@ -34,6 +36,7 @@ __all__ = [
     "Surface",
     "SurfaceApproach",
     "SurfaceContact",
+    "SurfaceCycle",
     "SurfaceTransition",
     "SurfaceVerification",
 ]
@@ -55,6 +58,16 @@ class Plate:
         ratio = None if poisson_ratio is None else si(poisson_ratio, "number", "poisson_ratio")
         object.__setattr__(self, "young_modulus", modulus)
         object.__setattr__(self, "poisson_ratio", ratio)
+
+
+def adhesion_numbers(
+    adhesion: Adhesion | Quantity | None,
+) -> tuple[float, float | None, bool] | None:
+    """Works of adhesion (J/m^2), and whether the floor is adhesive."""
+    if adhesion is None:
+        return None
+    given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
+    return given.work, given.work_receding, given.floor
 
 
 def indenter_settings(
@@ -98,11 +111,15 @@ class Surface(Viscoelastic):
         Position of the lens axis, in m from the centre of the map.
     periodic
         Whether the map is periodic; by default as defined by the object, otherwise not.
+    adhesion
+        An `Adhesion`, or the work of adhesion (J/m^2), of the whole map; of a floor only with ``Adhesion(..., floor=True)``. Cells must
+        be square.
     """
 
     indenter: AnyLens | Plate
     substrate: Substrate
     periodic: bool
+    adhesion: Adhesion | None
     x: FloatArray
     """Centres of the cells along x, m from the lens axis."""
     y: FloatArray
@@ -121,6 +138,7 @@ class Surface(Viscoelastic):
         floor: Quantity | None = None,
         axis: tuple[Quantity, Quantity] = (0.0, 0.0),
         periodic: bool | None = None,
+        adhesion: Adhesion | Quantity | None = None,
     ) -> None:
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             if cell_size is not None or width is not None:
@@ -143,6 +161,7 @@ class Surface(Viscoelastic):
                 [layer_numbers(substrate), layer_numbers(indenter)],
                 bool(periodic),
                 None if floor is None else finite(floor, "length", "floor"),
+                adhesion_numbers(adhesion),
             )
         )
 
@@ -201,6 +220,8 @@ class Surface(Viscoelastic):
         else:
             self.indenter = lens_of(values, of_lens)
         self.substrate = Substrate(*surface.substrate, **film)
+        given = surface.adhesion
+        self.adhesion = None if given is None else Adhesion(given[0], given[1], floor=given[2])
         self.heights = surface.heights()
         rows, columns = self.heights.shape
         self.x = surface.origin[0] + surface.cell[0] * (np.arange(columns, dtype=np.float64) + 0.5)
@@ -273,6 +294,32 @@ class Surface(Viscoelastic):
         rest = (_checked(SurfaceContact(self, contact)) for contact in others)
         first = None if critical is None else critical.contact
         return SurfaceApproach(summary, in_order(summary, first, rest), critical)
+
+    def cycle(
+        self,
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        retract: bool = True,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> SurfaceCycle:
+        """Computes loading and unloading with adhesion at a controlled indentation.
+
+        Loading ends at an indentation (m), at a force (N), or, on a surface with a floor, at the critical state.
+        """
+        end = [
+            None if to is None else si(to, "length", "to"),
+            None if to_force is None else si(to_force, "force", "to_force"),
+        ]
+        if None not in end:
+            raise TypeError("a loading has one end: give one of to and to_force")
+        run = options(threads, progress, memory_limit)
+        answer, curve, turn, pull_off = _fakir.cycle_surface(self._surface, *end, retract, run)
+        warn(answer.warnings)
+        strongest = None if pull_off is None else SurfaceContact(self, pull_off)
+        return SurfaceCycle(answer, curve, SurfaceContact(self, turn), strongest)
 
     def verify(
         self,
@@ -398,6 +445,59 @@ class SurfaceTransition(SurfaceTransitionNumbers):
         first = "tops" if self.regime == "top_first" else "the floor, without force"
         at = f"({engineering(x, 'm', 4)}, {engineering(y, 'm', 4)})"
         return [("meets first", first), ("floor contact at", at), *self.contact._rows()]
+
+
+class SurfaceCycle(SurfaceCycleNumbers):
+    """Loading and unloading with adhesion. Numbers are in SI units; arrays have one value for every load step."""
+
+    _titles = ("fakir.bem.SurfaceCycle", "Loading and unloading with adhesion")
+
+    branch: list[str]
+    """``"loading"`` or ``"unloading"`` of every load step."""
+    indentation: FloatArray
+    """Indentation at every load step, m."""
+    force: FloatArray
+    """Force at every load step, N; negative in tension."""
+    contact_area: FloatArray
+    """Contact area at every load step, m^2."""
+    turn: SurfaceContact
+    """The contact at the end of loading."""
+    pull_off: SurfaceContact | None
+    """The contact with the largest tensile force of the unloading; None without unloading or without tension."""
+
+    def __init__(
+        self,
+        answer: _fakir.Answer,
+        curve: list[tuple[str, float, float, float]],
+        turn: SurfaceContact,
+        pull_off: SurfaceContact | None,
+    ) -> None:
+        super().__init__(answer)
+        branch, *numbers = zip(*curve)
+        self.branch = list(branch)
+        self.indentation, self.force, self.contact_area = (np.array(it) for it in numbers)
+        self.turn, self.pull_off = turn, pull_off
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A table, one row for every load step: the columns of ``cycle.csv``."""
+        import pandas
+
+        columns: dict[str, Any] = {
+            "branch": self.branch,
+            "indentation_m": self.indentation,
+            "force_N": self.force,
+            "contact_area_m2": self.contact_area,
+        }
+        return pandas.DataFrame(columns)
+
+    def _rows(self) -> list[Row]:
+        turn = f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}"
+        rows = [("loaded up to", turn)]
+        if self.pull_off_force is not None:
+            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
+        if self.hysteresis is not None:
+            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
+        return [*rows, ("solution", self.termination)]
 
 
 class SurfaceApproach(Loading[SurfaceContact]):

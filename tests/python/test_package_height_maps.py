@@ -35,3 +35,22 @@ def test_heights_for_a_floor_share():
     assert found.state.floor.force == pytest.approx(again.floor.force, rel=1e-9)
     with pytest.raises(fakir.DesignError, match="not supported on a height map"):
         _ = found.cycle
+
+
+@pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
+def test_a_sphere_is_pulled_off_a_flat_map():
+    """F = -3/2 pi w R (Johnson, Kendall and Roberts), within the estimated error, and as much as `fakir.FlatSystem` has."""
+    lens, substrate = fakir.Lens("0.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    surface = Surface(np.zeros((64, 64)), lens, substrate, cell_size="2 um", adhesion="50 mJ/m2")
+    assert surface.adhesion == fakir.Adhesion(0.05)
+    cycle = surface.cycle(to="0.2 um")
+    flat = fakir.FlatSystem(lens, substrate, adhesion="50 mJ/m2").cycle(to="0.2 um")
+    assert flat.pull_off_force == pytest.approx(-1.5 * np.pi * 0.05 * 0.2e-3)
+    assert cycle.pull_off_force == pytest.approx(flat.pull_off_force, rel=cycle.error.pull_off_force)
+    assert cycle.turn.pressure_map.min() < 0 < cycle.turn.pressure_map.max()
+    assert cycle.pull_off.force == cycle.force.min() == cycle.pull_off_force
+    assert len(cycle.to_pandas()) == len(cycle.branch) == len(cycle.contact_area)
+    with pytest.raises(ValueError, match="no critical state"):
+        surface.cycle()
+    with pytest.raises(ValueError, match="floor"):
+        Surface(np.zeros((64, 64)), lens, substrate, cell_size="2 um", adhesion=fakir.Adhesion(0.05, floor=True))

@@ -64,7 +64,9 @@ impl AnyCase {
             Self::Pillars(case) => !case.system.adhesion().is_none(),
             Self::Flat(case) => !case.system.adhesion().is_none(),
             Self::Asperities(case) => !case.field.adhesion().is_none(),
-            Self::HeightMap(_) => false,
+            Self::HeightMap(file) => file
+                .surface_adhesion()
+                .is_ok_and(|adhesion| !adhesion.is_none()),
         }
     }
 }
@@ -99,7 +101,11 @@ impl CaseFile {
         let Some(solver) = self.surface_kind().solver() else {
             return Ok(());
         };
+        let features = match solver {
+            Solver::HeightMap => self.features(&self.surface_parts()?.1),
+            _ => Vec::new(),
+        };
         let mut questions = questions.iter();
-        questions.try_for_each(|question| self.answers(*question, solver, &[]))
+        questions.try_for_each(|question| self.answers(*question, solver, &features))
     }
 }

@@ -17,9 +17,8 @@ use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Arrangement, Boundary, Feature, Floor, Grid, HeightMap, Indenter, LatticeForm,
+    Adhesion, Arrangement, Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm,
     PillarCompliance, Point, Question, RandomPlaces, ShapedLens, Solver, SurfaceSystem,
-    Unsupported,
 };
 use std::path::{Path, PathBuf};
 
@@ -165,6 +164,7 @@ impl CaseFile {
         system = system
             .with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
             .and_then(|system| system.with_interactions(parts.interactions))
+            .and_then(|system| system.with_adhesion(self.adhesion(&parts)))
             .map_err(|invalid| self.impossible(&invalid))?;
         if matches!(origin, SurfaceOrigin::Pattern(_)) {
             system = system.continued();
@@ -179,7 +179,7 @@ impl CaseFile {
         }
         if let Some(floor) = floor {
             system = system.with_floor(floor);
-        } else if let Some(key) = self.given_on_floor() {
+        } else if let Some(key) = self.given_on_floor(&parts) {
             return Err(self
                 .problem(
                     key,
@@ -233,15 +233,28 @@ impl CaseFile {
             kind,
             Part::Interactions,
             Part::InteractionsOnFloor,
+            Part::Adhesion,
         ])?;
         self.answers(Question::Press, Solver::HeightMap, &self.features(&parts))?;
         Ok((kind, parts))
     }
 
-    /// The first given key of an interaction on the floor.
-    fn given_on_floor(&self) -> Option<Key> {
+    /// The first given key of an interaction on the floor, or of its adhesion.
+    fn given_on_floor(&self, parts: &Parts) -> Option<Key> {
         let mut given = self.entries.keys.keys().copied();
-        given.find(|key| key.part() == Part::InteractionsOnFloor)
+        let is_adhesive = parts.pattern.adhesion.floor.0;
+        given.find(|key| {
+            key.part() == Part::InteractionsOnFloor || *key == Key::AdhesiveFloor && is_adhesive
+        })
+    }
+
+    /// The adhesion of a general surface, without generating or reading it.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a missing key or an invalid value.
+    pub fn surface_adhesion(&self) -> Result<Adhesion, CaseError> {
+        let (_, parts) = self.surface_parts()?;
+        Ok(self.adhesion(&parts))
     }
 
     /// Whether a general surface defines its floor: by its height, or by its pillars.
@@ -294,21 +307,10 @@ impl CaseFile {
             }
         }
         let mut given = self.entries.keys.keys().copied();
-        let Some(key) =
-            given.find(|key| matches!(key.part(), Part::Adhesion | Part::PillarPattern))
-        else {
-            return Ok(());
-        };
-        match (
-            key.table(),
-            Question::Press.check(Solver::HeightMap, &[Feature::AdhesiveTops]),
-        ) {
-            ("adhesion", Ok(())) => Ok(()),
-            ("adhesion", Err(Unsupported { why, instead, .. })) => {
-                Err(self.problem(key, why).accepted(instead))
-            }
-            (table, _) => Err(self
-                .problem(key, format!("[{table}] belongs to a [pattern]"))
+        match given.find(|key| key.part() == Part::PillarPattern) {
+            None => Ok(()),
+            Some(key) => Err(self
+                .problem(key, format!("[{}] belongs to a [pattern]", key.table()))
                 .accepted("leave it out, or describe round pillars as a [pattern]")),
         }
     }

@@ -66,7 +66,7 @@ pub use figures::designed_curve::{
 };
 pub use figures::fit_curves::{FittedCurve, FittedLoad, FittedPoint, FittedQuantity, fit_curves};
 pub use figures::fits::{FittedParameter, FittedValue, fits};
-pub use figures::flat::{flat_cycle, flat_pressure};
+pub use figures::flat::{flat_cycle, flat_pressure, surface_cycle};
 pub use figures::floor_gap_map::floor_gap_map;
 pub use figures::floor_pressure_map::floor_pressure_map;
 pub use figures::histogram::{Histogram, histogram};

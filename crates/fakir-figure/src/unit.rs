@@ -11,6 +11,8 @@ const LENGTHS: &[(&str, f64)] = &[("m", 1.0), ("mm", 1e-3), ("µm", 1e-6), ("nm"
 const PRESSURES: &[(&str, f64)] = &[("GPa", 1e9), ("MPa", 1e6), ("kPa", 1e3), ("Pa", 1.0)];
 const FORCES: &[(&str, f64)] = &[("N", 1.0), ("mN", 1e-3), ("µN", 1e-6), ("nN", 1e-9)];
 
+const AREAS: &[(&str, f64)] = &[("m²", 1.0), ("mm²", 1e-6), ("µm²", 1e-12), ("nm²", 1e-18)];
+
 /// From long to short.
 const TIMES: &[(&str, f64)] = &[("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)];
 
@@ -32,6 +34,11 @@ impl Unit {
     /// For pressures up to `largest`, Pa.
     pub(crate) fn of_pressure(largest: f64) -> Self {
         Self::choose(PRESSURES, largest)
+    }
+
+    /// For areas up to `largest`, m^2.
+    pub(crate) fn of_area(largest: f64) -> Self {
+        Self::choose(AREAS, largest)
     }
 
     /// For forces up to `largest`, N.

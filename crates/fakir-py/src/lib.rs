@@ -59,7 +59,7 @@ mod _fakir {
     use super::study::{Ledger, Study, solve_cases};
     #[pymodule_export]
     use super::surface::{
-        Surface, SurfaceContact, SurfaceTransition, approach_surface, press_surface,
+        Surface, SurfaceContact, SurfaceTransition, approach_surface, cycle_surface, press_surface,
         surface_transition, verify_surface,
     };
     #[pymodule_export]

@@ -5,11 +5,12 @@ use crate::error::{
     PYTHON, approach_error, case_error, solve_error, surface_verify_error, value_error,
     warn_of_deprecations,
 };
-use crate::load::{load, load_or_critical, path};
+use crate::load::{load, load_or_critical, path, plan};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point, SurfaceSystem,
+    Adhesion, Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point,
+    SurfaceSystem,
 };
 use fakir::state::Run;
 use fakir_case::{CaseFile, SurfaceCase};
@@ -49,6 +50,7 @@ impl Surface {
         layers: [Option<LayerNumbers>; 2],
         periodic: bool,
         floor: Option<f64>,
+        adhesion: Option<(f64, Option<f64>, bool)>,
     ) -> PyResult<Self> {
         let (rows, columns) = (heights.shape()[0], heights.shape()[1]);
         let grid = Grid::new(columns, rows, cell, origin).map_err(value_error)?;
@@ -75,7 +77,18 @@ impl Surface {
         let system = SurfaceSystem::new(indenter, material(substrate), map, boundary);
         let [film, of_lens] = layers.map(|layer| layer.map(layer_of));
         let system = system.and_then(|system| system.with_layers(film, of_lens));
+        let adhesion = adhesion.map_or(Adhesion::NONE, |(work, work_receding, floor)| Adhesion {
+            work,
+            work_receding,
+            floor,
+        });
+        let system = system.and_then(|system| system.with_adhesion(adhesion));
         let system = system.map_err(value_error)?;
+        if floor.is_none() && adhesion.floor {
+            return Err(value_error(
+                "which cells are floor is not known, so that it cannot be adhesive by itself: give floor, a height, or leave out floor of the adhesion",
+            ));
+        }
         Ok(Self {
             system: match floor {
                 Some(height) => system.with_floor(Floor::AtOrBelow(height)),
@@ -183,6 +196,13 @@ impl Surface {
     fn substrate(&self) -> [f64; 2] {
         let material = self.system.substrate();
         [material.young_modulus, material.poisson_ratio]
+    }
+
+    /// Works of adhesion on attachment and, if it differs, on detachment (J/m^2), and whether the floor is adhesive; `None` without adhesion.
+    #[getter]
+    fn adhesion(&self) -> Option<(f64, Option<f64>, bool)> {
+        let adhesion = self.system.adhesion();
+        (!adhesion.is_none()).then_some((adhesion.work, adhesion.work_receding, adhesion.floor))
     }
 
     /// The substrate and the lens as layers; `None` for half-spaces.
@@ -323,6 +343,58 @@ pub(crate) fn approach_surface(
         summary,
         critical.transpose()?,
         states.collect::<PyResult<_>>()?,
+    ))
+}
+
+/// Points of a curve: branch, indentation (m), force (N) and contact area (m^2).
+type Curve = Vec<(&'static str, f64, f64, f64)>;
+
+/// A cycle, its curve, and the contacts at the end of loading and at pull-off.
+type Cycled = (
+    Py<Answer>,
+    Curve,
+    Py<SurfaceContact>,
+    Option<Py<SurfaceContact>>,
+);
+
+/// Loading up to an indentation (m), a force (N) or the critical state, and optional unloading.
+#[pyfunction]
+pub(crate) fn cycle_surface(
+    py: Python<'_>,
+    surface: &Surface,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    retract: bool,
+    options: Options,
+) -> PyResult<Cycled> {
+    if surface.system.floor().is_none() && to.is_none() && to_force.is_none() {
+        return Err(value_error(
+            "without a floor there is no critical state at which the loading could end: give to or to_force",
+        ));
+    }
+    let plan = plan(to, to_force, "displacement", None, retract);
+    let start = Instant::now();
+    let cycle = watched(py, &options, |run| surface.system.cycle(plan, run))?;
+    let cycle = cycle.map_err(|error| solve_error(&error))?;
+    let wall_time = start.elapsed().as_secs_f64();
+    let answer = SurfaceAnswer {
+        system: &surface.system,
+        answer: &cycle,
+    };
+    let summary = json(&result::surface_cycle(&answer, wall_time));
+    let careful = result::surface_cycle_warnings(&cycle);
+    let answer = Answer::new(&answer, summary, cycle.termination, careful);
+    let point = |step: &fakir::state::SurfaceLoadStep| {
+        let name = step.branch.name();
+        (name, step.indentation, step.force, step.contact_area)
+    };
+    let curve = cycle.load_steps.iter().map(point).collect();
+    let contact = |contact| surface.contact(py, contact, wall_time);
+    Ok((
+        Py::new(py, answer)?,
+        curve,
+        contact(cycle.turn)?,
+        cycle.pull_off.map(contact).transpose()?,
     ))
 }
 

@@ -300,6 +300,13 @@ impl Loadable for SurfaceSystem {
         SurfaceSystem::first_touch(self)
     }
 
+    fn check_history(&self) -> Result<(), SolveError> {
+        if self.adhesion().is_none() {
+            return Ok(());
+        }
+        Ok(Question::Hold.check(Solver::HeightMap, &[Feature::AdhesiveTops])?)
+    }
+
     // Contacts change by whole cells, and take seconds.
     fn curve_accuracy(&self) -> (f64, usize) {
         (2e-3, 14)

@@ -42,6 +42,8 @@ pub enum Topic {
     Viscoelastic,
     /// Adhesion of rounded pillar tops.
     AdhesiveAsperities,
+    /// Adhesion on a height map.
+    AdhesiveSurface,
     /// Heights of rounded tops for a target curve.
     DesignedHeights,
     /// Boundary elements on a height map.
@@ -94,17 +96,20 @@ impl Topic {
 
     /// Topics of a case with a general surface.
     #[must_use]
-    pub fn of_surface(case: &SurfaceCase) -> Self {
+    pub fn of_surface(case: &SurfaceCase) -> Vec<Self> {
         let random = match &case.origin {
             SurfaceOrigin::HeightMap(_) => false,
             SurfaceOrigin::Pattern(pattern) => {
                 matches!(pattern.arrangement, Arrangement::Random(_))
             }
         };
-        Self::Surface {
+        let surface = Self::Surface {
             periodic: case.system.boundary() == Boundary::Periodic,
             random,
-        }
+        };
+        let is_adhesive = !case.system.adhesion().is_none();
+        let adhesion = is_adhesive.then_some(Self::AdhesiveSurface);
+        std::iter::once(surface).chain(adhesion).collect()
     }
 
     /// Topics of the cases of a study.
@@ -117,6 +122,7 @@ impl Topic {
         });
         let adhesion = study.has_adhesion().then_some(match study.surface_kind() {
             SurfaceKind::Asperities => Self::AdhesiveAsperities,
+            SurfaceKind::HeightMap => Self::AdhesiveSurface,
             _ => Self::Adhesion,
         });
         let floor = (study.asked() == Asked::Collapse).then_some(Self::AdhesiveFloor);
@@ -325,6 +331,7 @@ impl Topic {
             Self::Interaction(name) => vec![name],
             Self::Viscoelastic => vec!["viscoelastic"],
             Self::AdhesiveAsperities => vec!["adhesive_rounded_tops"],
+            Self::AdhesiveSurface => vec!["adhesive_surface"],
             Self::DesignedHeights => vec!["designed_heights"],
             Self::Surface { periodic, random } => {
                 let around = if *periodic { "periodic" } else { "free_space" };
@@ -429,6 +436,7 @@ mod tests {
                 Topic::Interaction("friction"),
                 Topic::Viscoelastic,
                 Topic::AdhesiveAsperities,
+                Topic::AdhesiveSurface,
                 Topic::DesignedHeights,
                 surface(true, false),
                 surface(false, true),

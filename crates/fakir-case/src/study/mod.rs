@@ -88,6 +88,7 @@ impl StudyFile {
                     layered |= case.system.has_layers();
                 }
                 AnyCase::HeightMap(file) => {
+                    adhesive |= !file.surface_adhesion().map_err(blame)?.is_none();
                     let steps = self.steps_of_keys(index);
                     surfaces.look(steps, &file, self.asked).map_err(blame)?;
                 }

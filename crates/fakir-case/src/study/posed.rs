@@ -31,14 +31,14 @@ impl AnyCase {
             Self::Pillars(case) => case.system.adhesion(),
             Self::Flat(case) => case.system.adhesion(),
             Self::Asperities(case) => case.field.adhesion(),
-            Self::HeightMap(_) => return Ok(case),
+            Self::HeightMap(file) => file.surface_adhesion()?,
         };
         if of_adhesion && adhesion.is_none() {
             return Err(file.without_adhesion());
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file.missing(Key::AdhesiveFloor).accepted(
-                "a flat surface has no floor between pillars, and under adhesive rounded tops floor contact is not computed: use question = \"cycle\"",
+                "a collapse is that of a pattern with flat tops: use question = \"cycle\"",
             ));
         }
         Ok(case)

@@ -390,19 +390,11 @@ fn layers_are_those_of_the_keys() {
 /// Questions that are not supported on a surface are refused at their position, in the file or in
 /// an override.
 #[test]
-fn bases_without_a_thickness_and_adhesion_are_refused() {
+fn bases_without_a_thickness_are_refused() {
     for (setting, words) in [
         (
             "substrate.base=frictionless",
             "substrate.base: only a body of finite thickness",
-        ),
-        (
-            "adhesion.work=1J/m2",
-            "adhesion.work: adhesion is not supported on a height map",
-        ),
-        (
-            "adhesion.floor=true",
-            "adhesion.floor: adhesion is not supported on a height map",
         ),
         (
             "surface.array=heights",

@@ -328,7 +328,7 @@ fn verified(control: Load, found: &SurfaceVerification, wall_time: f64) -> Repor
         provenance: Provenance::new(
             control_words(control),
             format!("boundary elements, {coarse} against {fine} cells across a pillar"),
-            &[Topic::of_surface(case)],
+            &Topic::of_surface(case),
             case.to_toml(),
         ),
         tables: vec![csv("verify.csv", rows)],

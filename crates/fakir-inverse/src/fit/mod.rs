@@ -106,7 +106,7 @@ pub use subject::{FittedCycle, method_name};
 use descent::{Descent, INTERPOLATED, NO_GAIN, PATIENCE};
 use fakir::numerics::convergence::{larger, within};
 use fakir::numerics::roots::{self, Point};
-use fakir::problem::{Question, Solver};
+use fakir::problem::{Feature, Question, Solver};
 use fakir::state::{Branch, Limit, Run, SolveError, Termination};
 use fakir_case::{CaseFile, Key, SurfaceKind};
 use least_squares::Linear;
@@ -523,8 +523,8 @@ fn check(
             return Err(FitError::NotOnFlat(*parameter));
         }
         if parameter.is_work() && file.is_surface() {
-            Question::Cycle
-                .check(Solver::HeightMap, &[])
+            Question::Fit
+                .check(Solver::HeightMap, &[Feature::AdhesiveTops])
                 .map_err(SolveError::from)?;
         }
         if parameter.is_of_displacement() && data.position() != Position::Displacement {

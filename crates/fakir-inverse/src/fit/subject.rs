@@ -2,7 +2,7 @@
 
 use super::error::FitError;
 use super::parameter::Parameter;
-use fakir::problem::{Adhesion, CyclePlan, FloorModel, Load, Question, Solver};
+use fakir::problem::{Adhesion, CyclePlan, Feature, FloorModel, Load, Question, Solver};
 use fakir::state::{AsperityCycle, Cycle, FlatCycle, Limit, Run, SolveError};
 use fakir_case::{
     AsperityCase, Case, CaseError, CaseFile, FlatCase, Key, Setting, SurfaceBodies, SurfaceCase,
@@ -222,7 +222,8 @@ impl Subject {
                 FittedCycle::Asperities(Box::new((case, cycle)))
             }
             Self::HeightMap(_) => {
-                let refused = Question::Cycle.check(Solver::HeightMap, &[]);
+                let adhesive = [Feature::AdhesiveTops];
+                let refused = Question::Fit.check(Solver::HeightMap, &adhesive);
                 return Err(refused.err().map_or(SolveError::NoFloor, Into::into));
             }
             Self::Flat(case) => {

@@ -1,7 +1,8 @@
 //! Height maps, and pillars of any cross-section on them.
 
-use super::kind::{Kind, Reached, Saved};
+use super::kind::{Found, Kind, Reached, Saved};
 use super::request::{AnswerError, Details, Maps, Request, Running};
+use super::surface_cycle::check_cycle;
 use crate::citations::Topic;
 use crate::fields::{FieldMap, MOST_POINTS};
 use crate::figures::{question_in_figure, saved};
@@ -9,9 +10,9 @@ use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_u
 use crate::output::File;
 use crate::provenance::Provenance;
 use crate::record::{Record, SurfaceAnswer, indenter_name};
-use crate::report::state::QuantityList;
+use crate::report::state::{QuantityList, adhesion_words};
 use crate::report::surface::description;
-use fakir::problem::{Indenter, Interactions, Load, Solver, SurfaceSystem};
+use fakir::problem::{CyclePlan, Indenter, Interactions, Load, Solver, SurfaceSystem};
 use fakir::state::{Limit, LoadSharing, Regime, Run, SurfaceContact};
 use fakir_case::SurfaceCase;
 use fakir_case::height_map::to_npy;
@@ -37,7 +38,12 @@ impl Kind for SurfaceCase {
     }
 
     fn lines(&self) -> [String; 2] {
-        description(self)
+        let [surface, cells] = description(self);
+        let adhesion = self.system.adhesion();
+        if adhesion.is_none() {
+            return [surface, cells];
+        }
+        [format!("{surface}, {}", adhesion_words(adhesion)), cells]
     }
 
     fn method(&self) -> String {
@@ -54,7 +60,7 @@ impl Kind for SurfaceCase {
     }
 
     fn topics(&self, _: Option<f64>) -> Vec<Topic> {
-        vec![Topic::of_surface(self)]
+        Topic::of_surface(self)
     }
 
     fn cited_as(&self) -> String {
@@ -71,6 +77,9 @@ impl Kind for SurfaceCase {
         details: &Details,
         run: &Run<'_>,
     ) -> Result<(), AnswerError> {
+        if let Request::Cycle(plan) = request {
+            return check_cycle(self, plan);
+        }
         let Request::Contact(load) = request else {
             return Ok(());
         };
@@ -95,6 +104,14 @@ impl Kind for SurfaceCase {
             ));
         }
         Ok(())
+    }
+
+    fn cycle(
+        &self,
+        plan: CyclePlan,
+        running: &Running<'_>,
+    ) -> Result<Box<dyn Found<Self>>, AnswerError> {
+        Ok(Box::new(self.system.cycle(plan, &running.run)?))
     }
 
     fn record(&self, found: &Reached<SurfaceContact>) -> Record {

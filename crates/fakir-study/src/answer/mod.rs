@@ -25,6 +25,7 @@ mod kind;
 mod loading;
 mod pillars;
 mod request;
+mod surface_cycle;
 
 pub use asperities::{quantities_of_tops, turn_and_pull_off_of_tops};
 pub use cycle::turn_and_pull_off;

@@ -24,7 +24,8 @@ impl Kind {
             (Asked::Press, Flat) => Some(Self::FlatPress),
             (Asked::Cycle, Flat) => Some(Self::FlatCycle),
             (Asked::Cycle, Asperities) => Some(Self::AsperityCycle),
-            (Asked::Cycle, _) => Some(Self::Cycle),
+            (Asked::Cycle, HeightMap) => Some(Self::SurfaceCycle),
+            (Asked::Cycle, Pillars) => Some(Self::Cycle),
             (Asked::Hold, _) => Some(Self::History),
             (Asked::Collapse, _) => None,
         }
@@ -58,6 +59,7 @@ impl Kind {
                 Kind::SurfaceTransition => {
                     of::<SurfaceAnswer<'_, fakir::state::SurfaceTransition>>()
                 }
+                Kind::SurfaceCycle => of::<SurfaceAnswer<'_, fakir::state::SurfaceCycle>>(),
                 Kind::AsperityPress => of::<AsperityAnswer<'_>>(),
                 Kind::AsperityTransition => of::<AsperityCritical<'_>>(),
                 Kind::AsperityCycle => of::<fakir::state::AsperityCycle>(),

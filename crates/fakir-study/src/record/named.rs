@@ -346,6 +346,8 @@ kinds! {
     AsperityTransition = "asperity_transition", "A critical state with rounded tops";
     /// A cycle of rounded tops.
     AsperityCycle = "asperity_cycle", "A cycle with rounded tops";
+    /// A cycle with a height map.
+    SurfaceCycle = "surface_cycle", "A cycle with a height map";
     /// A cycle of loading and unloading.
     Cycle = "cycle", "A cycle";
     /// A state of a loading of pillars.

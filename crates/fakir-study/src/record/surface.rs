@@ -7,7 +7,10 @@ use super::object::Object;
 use fakir::problem::{
     Boundary, ContactAreas, Grid, Indenter, Interactions, ShapedLens, SurfaceSystem,
 };
-use fakir::state::{ErrorEstimate, SurfaceContact, SurfaceTransition};
+use fakir::state::{
+    ErrorEstimate, SurfaceContact, SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep,
+    SurfaceTransition,
+};
 
 /// An answer about a height map, and its case.
 #[derive(Debug, Clone, Copy)]
@@ -122,7 +125,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
         ),
         Named::number(
             "certificate.energy_bound",
-            "upper bound of the energy error of the solution on its cells, over the elastic energy",
+            "upper bound of the energy error of the solution on its cells, over the elastic energy; with adhesion the largest gap of a cell in contact, over the indentation",
             |it: &SurfaceContact| it.certificate.energy_bound,
         )
         .column("energy_bound"),
@@ -134,7 +137,7 @@ fn solution() -> Vec<Named<SurfaceContact>> {
         .in_objects(),
         Named::number(
             "certificate.gap_under_pressure_m",
-            "largest gap of a cell that carries pressure",
+            "largest gap of a cell in contact",
             |it: &SurfaceContact| it.certificate.gap_under_pressure,
         )
         .in_objects(),
@@ -226,6 +229,136 @@ impl Recorded for SurfaceAnswer<'_, SurfaceTransition> {
         rows.extend(interactions::rows());
         rows.extend(contact(solution()));
         rows
+    }
+}
+
+fn first_contact(cycle: &SurfaceCycle) -> Option<&SurfaceLoadStep> {
+    cycle.load_steps.get(cycle.first_contact?)
+}
+
+/// Loading and unloading.
+fn cycle() -> Vec<Named<SurfaceCycle>> {
+    let pull_off = |path, meaning, of: fn(&SurfaceContact) -> f64| {
+        Named::number_if_any(path, meaning, move |it: &SurfaceCycle| {
+            it.pull_off.as_ref().map(of)
+        })
+    };
+    let error = |path, meaning, of: fn(&SurfaceCycleErrors) -> f64| {
+        Named::number_if_any(path, meaning, move |it: &SurfaceCycle| {
+            it.errors.as_ref().map(of)
+        })
+    };
+    vec![
+        Named::word(
+            "drive",
+            "loading mode, the quantity that is constant during a jump: `displacement`",
+            |it: &SurfaceCycle| Some(it.plan.drive.name()),
+        ),
+        Named::number_if_any(
+            "first_contact_indentation_m",
+            "indentation at first contact",
+            |it: &SurfaceCycle| Some(first_contact(it)?.indentation),
+        )
+        .in_objects(),
+        Named::number_if_any(
+            "first_contact_force_N",
+            "force after first contact",
+            |it: &SurfaceCycle| Some(first_contact(it)?.force),
+        )
+        .in_objects(),
+        Named::number(
+            "turn_force_N",
+            "force at the end of loading",
+            |it: &SurfaceCycle| it.turn.force,
+        ),
+        Named::number(
+            "turn_indentation_m",
+            "indentation at the end of loading",
+            |it: &SurfaceCycle| it.turn.indentation,
+        ),
+        Named::number(
+            "turn_contact_area_m2",
+            "contact area at the end of loading",
+            |it: &SurfaceCycle| it.turn.contact_area,
+        ),
+        pull_off(
+            "pull_off_force_N",
+            "largest tensile force on unloading, negative; `null` if there is none",
+            |it| it.force,
+        ),
+        pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
+            it.indentation
+        }),
+        pull_off(
+            "pull_off_contact_area_m2",
+            "contact area at pull-off",
+            |it| it.contact_area,
+        ),
+        Named::number_if_any(
+            "last_release_indentation_m",
+            "indentation at which the surfaces detach; `null` without unloading",
+            |it: &SurfaceCycle| it.separation,
+        ),
+        Named::number_if_any(
+            "work_of_separation_J",
+            "work against tensile forces during unloading; `null` without unloading",
+            |it: &SurfaceCycle| it.work_of_separation,
+        ),
+        Named::number_if_any(
+            "hysteresis_J",
+            "area of the loop of force over indentation; `null` without unloading",
+            |it: &SurfaceCycle| it.loop_area,
+        ),
+        Named::number_if_any(
+            "relative_error_estimate.turn_force",
+            "estimated relative error of the force at the end of loading; `null`, as all estimates, on too few cells",
+            |it: &SurfaceCycle| it.turn.error.map(|error| error.force),
+        ),
+        error(
+            "relative_error_estimate.pull_off_force",
+            "estimated relative error of the pull-off force",
+            |it| it.pull_off_force,
+        ),
+        error(
+            "relative_error_estimate.work_of_separation",
+            "estimated relative error of the work of separation",
+            |it| it.work_of_separation,
+        ),
+        error(
+            "relative_error_estimate.hysteresis",
+            "estimated relative error of the hysteresis",
+            |it| it.loop_area,
+        ),
+    ]
+}
+
+impl Recorded for SurfaceAnswer<'_, SurfaceCycle> {
+    const KIND: Kind = Kind::SurfaceCycle;
+
+    fn rows() -> Vec<Named<Self>> {
+        let of_turn = |row: Named<SurfaceContact>| row.of_part(|it: &Self| &it.answer.turn);
+        let mut rows: Vec<Named<Self>> = vec![of_turn(method())];
+        let of_cycle = cycle().into_iter();
+        rows.extend(of_cycle.map(|row| row.of_part(|it: &Self| it.answer)));
+        rows.extend(question(|it: &SurfaceCycle| &it.turn.grid));
+        rows.extend(interactions::rows());
+        let common: Vec<Named<SurfaceCycle>> = common();
+        rows.extend(
+            common
+                .into_iter()
+                .map(|row| row.of_part(|it: &Self| it.answer)),
+        );
+        rows
+    }
+}
+
+impl Interacting for SurfaceAnswer<'_, SurfaceCycle> {
+    fn interactions(&self) -> &Interactions {
+        self.system.interactions()
+    }
+
+    fn areas(&self) -> ContactAreas {
+        self.answer.turn.areas()
     }
 }
 

@@ -41,7 +41,7 @@ use crate::record::{
 };
 use fakir::problem::{AsperityArray, FlatSystem, Load};
 use fakir::state::{
-    AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact,
+    AsperityCycle, Contact, ContactState, CriticalState, FlatCycle, SurfaceContact, SurfaceCycle,
     SurfaceTransition, Termination, Unresolved, Warning,
 };
 use fakir_case::unit::{Dimension, format_quantity};
@@ -165,6 +165,20 @@ pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_ti
     Object::of(answer)
         .with_limits(answer.answer.contact.limits(answer.system))
         .timed(wall_time)
+}
+
+/// A cycle with a height map: what `fakir cycle --json` prints. Limits are those of the end of the loading.
+#[must_use]
+pub fn surface_cycle(answer: &SurfaceAnswer<'_, SurfaceCycle>, wall_time: f64) -> Object {
+    Object::of(answer)
+        .with_limits(answer.answer.turn.limits(answer.system))
+        .timed(wall_time)
+}
+
+/// Warnings of a cycle with a height map.
+#[must_use]
+pub fn surface_cycle_warnings(cycle: &SurfaceCycle) -> Vec<String> {
+    warnings_of(&cycle.turn.warnings, cycle.termination, cycle.unresolved())
 }
 
 /// The critical state with rounded tops.

@@ -239,6 +239,18 @@ impl Unsupported {
         instead: "leave out the work of adhesion, and compute the designed tops with it by `approach`",
         with: &[ADHESIVE_TOPS],
     };
+    /// Cycles of height maps under a prescribed force, or with a machine.
+    pub(crate) const BUT_FOR_DISPLACEMENT: Self = Self {
+        why: "a cycle on a height map controls the indentation",
+        instead: "leave out the force control and the stiffness of the machine; its pull-off force is the largest tensile force of either",
+        with: &[ADHESIVE_TOPS],
+    };
+    /// Adhesion on cells that are not square.
+    pub(crate) const BUT_FOR_SQUARE_CELLS: Self = Self {
+        why: "the laws of the edges of an adhesive contact are those of square cells",
+        instead: "give the surface cells whose sides differ by less than a tenth",
+        with: &[ADHESIVE_TOPS],
+    };
     /// Cycles of rounded tops with two works of adhesion.
     pub(crate) const BUT_FOR_ONE_WORK: Self = Self {
         why: "a cycle of rounded tops supports one work of adhesion, and here that of breaking contact is larger",
@@ -336,7 +348,12 @@ static RULES: &[Rule] = &[
     ),
     rule(
         &[Question::Hold],
-        &[Solver::Spectral, Solver::Asperities, Solver::Flat],
+        &[
+            Solver::Spectral,
+            Solver::Asperities,
+            Solver::HeightMap,
+            Solver::Flat,
+        ],
         &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
         "with adhesion the edges of a viscoelastic contact dissipate, at a rate that depends on their speed and is not modelled",
         "leave out the works of adhesion; both limits of a history are elastic and can be computed with adhesion: `press` in the relaxed limit, `press --instantaneous` in that of fast loads",
@@ -517,18 +534,25 @@ static RULES: &[Rule] = &[
     ),
     // Height maps.
     rule(
-        &[Question::Cycle, Question::AttractionRange],
+        &[Question::AttractionRange],
         HEIGHT_MAP,
         &[],
-        "adhesion is supported only on round pillars with flat tops, not on a height map",
-        "compute the loading only: without adhesion, unloading follows the same curve",
+        "whether the range of the attraction is short depends on the curvature of the summits that are touched, which a height map does not give",
+        "compare the range with the gaps of the contact: leave it out, and look at the saved gaps",
+    ),
+    rule(
+        &[Question::Fit, Question::Design, Question::FloorShare],
+        HEIGHT_MAP,
+        &[ADHESIVE_TOPS],
+        "with adhesion a contact follows from the whole loading, cell by cell, and changes in steps that a search cannot follow",
+        "leave out the works of adhesion, or use `sweep` with the quantity as an axis",
     ),
     rule(
         ANY,
         HEIGHT_MAP,
-        &[&[Feature::AdhesiveTops, Feature::AdhesiveFloor]],
-        "adhesion is not supported on a height map",
-        "leave it out, or describe round pillars as a [pattern], which supports adhesion",
+        &[ADHESIVE_TOPS, &[Feature::Periodic]],
+        "the edges of an adhesive contact are followed inside a grid, not across its periodic border",
+        "use a free boundary",
     ),
     rule(
         ANY,

@@ -1,5 +1,6 @@
 //! A lens or a plate above any surface.
 
+use super::adhesion::Adhesion;
 use super::height_map::HeightMap;
 use super::interactions::Interactions;
 use super::layer::{Layer, WeightedLayer};
@@ -126,6 +127,7 @@ pub struct SurfaceSystem {
     round_tops: Vec<f64>,
     continued: bool,
     floor: Option<Floor>,
+    adhesion: Adhesion,
     interactions: Interactions,
 }
 
@@ -154,6 +156,7 @@ impl SurfaceSystem {
             round_tops: Vec::new(),
             continued: false,
             floor: None,
+            adhesion: Adhesion::NONE,
             interactions: Interactions::NONE,
         })
     }
@@ -210,6 +213,24 @@ impl SurfaceSystem {
             continued: true,
             ..self
         }
+    }
+
+    /// The same system with adhesion. The whole surface is adhesive; if the [floor](Self::with_floor) is defined, it is so only with
+    /// [`Adhesion::floor`].
+    ///
+    /// # Errors
+    /// Works of adhesion must be zero or positive, and the receding one at least the other.
+    pub fn with_adhesion(self, adhesion: Adhesion) -> Result<Self, InvalidQuantity> {
+        Ok(Self {
+            adhesion: adhesion.checked()?,
+            ..self
+        })
+    }
+
+    /// The adhesion.
+    #[must_use]
+    pub fn adhesion(&self) -> Adhesion {
+        self.adhesion
     }
 
     /// The same system with interactions that do not change the normal contact.

@@ -631,7 +631,7 @@ impl Loading<'_> {
         let scene = self.path.scene;
         let [before, after] = event.parts;
         CycleEvent {
-            branch: branch(event.course),
+            branch: event.course.branch(),
             kind: if before == 0.0 {
                 CycleEventKind::SnapIn
             } else if after == 0.0 {
@@ -903,7 +903,7 @@ fn pillars(path: &Path<'_>, tops: &[AttachedTop]) -> Vec<PillarState> {
 /// Converts a load step to SI units.
 fn in_si(scene: &Scene, station: &LoadStep) -> CycleLoadStep {
     CycleLoadStep {
-        branch: branch(station.course),
+        branch: station.course.branch(),
         indentation: station.indentation * scene.length,
         force: station.force * scene.force(),
         contact_radius: station.radius * scene.length,
@@ -917,13 +917,6 @@ fn in_si(scene: &Scene, station: &LoadStep) -> CycleLoadStep {
             radius: floor.radius * scene.length,
             holes: floor.holes,
         }),
-    }
-}
-
-fn branch(course: Course) -> Branch {
-    match course {
-        Course::Loading => Branch::Loading,
-        Course::Unloading => Branch::Unloading,
     }
 }
 

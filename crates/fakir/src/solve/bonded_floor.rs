@@ -87,7 +87,7 @@ impl<'a> Path<'a> {
             mirrors.mirror(&mut known);
         }
         for (cell, pressure) in known.iter().enumerate() {
-            fronts.set(&mut cells, cell, pressure.is_some());
+            fronts.set(cells.states(), cell, pressure.is_some());
         }
         let start = |cell: usize| known[cell].unwrap_or_default().map(|p| unit_cell * p);
         let mut kernels = self.floor.take().and_then(|floor| floor.kernels);
@@ -147,7 +147,7 @@ impl<'a> Path<'a> {
         let least = around.map(|cell| loads[cell]).fold(f64::INFINITY, f64::min);
         for (cell, load) in loads.iter().enumerate() {
             if *load >= least {
-                floor.fronts.set(&mut floor.cells, cell, true);
+                floor.fronts.set(floor.cells.states(), cell, true);
             }
         }
     }
@@ -178,7 +178,7 @@ impl<'a> Path<'a> {
             .fronts
             .moves(bonded, which, ENTERED * self.scene.height);
         let bonds = which == FloorMove::Advance;
-        for (cell, factor) in floor.fronts.shift(&mut floor.cells, &moves, bonds) {
+        for (cell, factor) in floor.fronts.shift(floor.cells.states(), &moves, bonds) {
             self.contact.scale_floor(cell, factor);
         }
         !moves.is_empty()
@@ -328,7 +328,7 @@ mod tests {
     };
     use crate::solve::linearized::Source;
     use crate::solve::path::{Energies, FixedQuantity, Stop};
-    use crate::solve::rules::floor_fronts::tests::tables;
+    use crate::solve::rules::floor_fronts::Laws;
     use crate::solve::rules::fronts::{Domain, Fronts, Works};
     use crate::state::{Run, Termination};
     use crate::theory::reference;
@@ -423,7 +423,7 @@ mod tests {
                 }
             }
         }
-        for ((first, table), sums) in tables().iter().zip(&sums) {
+        for ((first, table), sums) in Laws::MEANS.tables().iter().zip(&sums) {
             for (k, (own, [sum, count])) in table.iter().zip(sums).enumerate() {
                 let (distance, mean) = (first + 0.2 * k as f64, sum / count);
                 assert!(

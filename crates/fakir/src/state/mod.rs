@@ -30,6 +30,7 @@ pub(crate) mod run;
 mod samples;
 mod shared;
 pub(crate) mod surface;
+pub(crate) mod surface_cycle;
 
 pub use crate::numerics::workers::{CancelToken, Threads};
 pub use asperity_contact::{
@@ -59,6 +60,7 @@ pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub use shared::{Contact, Solution};
 pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};
+pub use surface_cycle::{SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep};
 
 /// Former name of [`AdhesiveFloorErrors`].
 #[deprecated(note = "renamed to `AdhesiveFloorErrors`")]

@@ -8,6 +8,7 @@ use super::flat::{FlatContact, FlatCycle};
 use super::history::ElasticSample;
 use super::resolution::Unresolved;
 use super::surface::SurfaceContact;
+use super::surface_cycle::SurfaceCycle;
 use crate::problem::ContactAreas;
 
 /// A solution of any kind: contacts and cycles. Decides whether it is a valid result.
@@ -131,6 +132,16 @@ impl Solution for FlatCycle {
 
     fn unresolved(&self) -> Option<Unresolved> {
         FlatCycle::unresolved(self)
+    }
+}
+
+impl Solution for SurfaceCycle {
+    fn termination(&self) -> Termination {
+        self.termination
+    }
+
+    fn unresolved(&self) -> Option<Unresolved> {
+        SurfaceCycle::unresolved(self)
     }
 }
 

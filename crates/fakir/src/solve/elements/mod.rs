@@ -4,11 +4,13 @@
 //! * [`separation`]: two surfaces given by their separation, with unknowns only in an active set;
 //! * `pillars`: elements on the pillars of a lattice;
 //! * `asperities`: elements on rounded tops;
-//! * [`surface`]: a lens or a plate pressed onto a height map.
+//! * [`surface`]: a lens or a plate pressed onto a height map;
+//! * `adhesive`: the same with adhesion.
 #![doc = ""]
 #![doc = include_str!("../../../doc/rendered/elements.md")]
 
 mod active;
+mod adhesive;
 pub(crate) mod asperities;
 mod closing;
 pub(crate) mod flat;

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 const TOLERANCE: f64 = 1e-9;
 
 /// Tolerance of the floor gap at the critical state, as a fraction of the indentation.
-const FLOOR_TOLERANCE: f64 = 1e-6;
+pub(super) const FLOOR_TOLERANCE: f64 = 1e-6;
 
 /// Largest number of solutions per level in the search for the critical indentation.
 const SEARCH_LIMIT: usize = 60;
@@ -60,25 +60,25 @@ struct FloorCells<'a> {
 pub(super) struct Pressed {
     pub(super) indentation: f64,
     pub(super) force: f64,
-    certificate: DualityGap,
-    termination: Termination,
+    pub(super) certificate: DualityGap,
+    pub(super) termination: Termination,
     /// The cell in which the floor was reached, if that was the target.
-    floor_cell: Option<usize>,
+    pub(super) floor_cell: Option<usize>,
 }
 
 /// The surface on cells of one size.
 pub(super) struct Level<'a> {
-    system: &'a SurfaceSystem,
-    run: &'a Run<'a>,
-    surface: HeightMap,
+    pub(super) system: &'a SurfaceSystem,
+    pub(super) run: &'a Run<'a>,
+    pub(super) surface: HeightMap,
     /// Separation of the undeformed surfaces at every cell.
-    separation: Vec<f64>,
+    pub(super) separation: Vec<f64>,
     /// Whether a cell is floor, if the floor is removed.
-    floor: Option<Vec<bool>>,
+    pub(super) floor: Option<Vec<bool>>,
     /// Pressure on every cell: the start, or the solution.
-    pressure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
     /// Shortening of every pillar per unit force, m/N.
-    column_compliance: Vec<f64>,
+    pub(super) column_compliance: Vec<f64>,
     /// Expected indentation.
     expected: Option<f64>,
     /// Derivative of the floor gap with respect to the indentation, if available.
@@ -87,7 +87,7 @@ pub(super) struct Level<'a> {
     bound: f64,
     active: ActiveCells<'a>,
     floor_cells: Option<FloorCells<'a>>,
-    products: usize,
+    pub(super) products: usize,
 }
 
 impl<'a> Level<'a> {
@@ -196,7 +196,7 @@ impl<'a> Level<'a> {
     }
 
     /// The separation that is not exceeded by this many cells.
-    fn nearest(&self, count: usize) -> f64 {
+    pub(super) fn nearest(&self, count: usize) -> f64 {
         let mut separation: Vec<f64> = self
             .separation
             .iter()
@@ -248,7 +248,7 @@ impl<'a> Level<'a> {
 
     /// Separation beyond which a contact is too large for the lens: slightly more than that at the largest allowed contact radius, from the
     /// lowest point of the surface.
-    fn farthest_allowed(&self) -> f64 {
+    pub(super) fn farthest_allowed(&self) -> f64 {
         match self.system.indenter().lens() {
             Some(lens) if !lens.is_flat() => {
                 let depth = self.surface.highest() - self.surface.lowest();
@@ -259,26 +259,26 @@ impl<'a> Level<'a> {
         }
     }
 
-    fn half_space(&self, cells: Cells) -> HalfSpace<'a> {
+    pub(super) fn half_space(&self, cells: Cells) -> HalfSpace<'a> {
         let compliance = self.system.contact_compliance();
         let (layers, boundary) = (self.system.weighted_layers(), self.system.boundary());
         HalfSpace::new(boundary, cells, compliance, &layers, self.run.pool)
     }
 
-    fn half_space_memory(&self, cells: &Cells) -> usize {
+    pub(super) fn half_space_memory(&self, cells: &Cells) -> usize {
         let pool = self.run.pool;
         let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
         HalfSpace::memory_estimate(self.system.boundary(), cells, threads)
     }
 
     /// Returns an error unless `bytes` for `cells` cells, plus the fields, fit in the memory limit.
-    fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SolveError> {
+    pub(super) fn check_memory(&self, cells: usize, bytes: usize) -> Result<(), SolveError> {
         let fields = BYTES_PER_CELL * self.separation.len();
         let whole = self.system.surface().grid();
         check_memory(whole, self.surface.grid(), cells, bytes + fields, self.run)
     }
 
-    fn check_cancelled(&self) -> Result<(), SolveError> {
+    pub(super) fn check_cancelled(&self) -> Result<(), SolveError> {
         if self.run.cancel.is_cancelled() {
             Err(SolveError::Interrupted)
         } else {
@@ -352,7 +352,7 @@ impl<'a> Level<'a> {
     }
 
     /// Refuses contacts that are too large for the lens or the period.
-    fn check_extent(&self) -> Result<(), SolveError> {
+    pub(super) fn check_extent(&self) -> Result<(), SolveError> {
         let Some(lens) = self.system.indenter().lens() else {
             return Ok(());
         };
@@ -376,7 +376,7 @@ impl<'a> Level<'a> {
     }
 
     fn loaded(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.pressure.len()).filter(|cell| self.pressure[*cell] > 0.0)
+        (0..self.pressure.len()).filter(|cell| is_loaded(self.pressure[*cell]))
     }
 
     /// Distance of the farthest cell in contact from the lens axis.
@@ -434,7 +434,8 @@ impl<'a> Level<'a> {
         let grid = self.surface.grid();
         let (columns, rows) = (grid.columns(), grid.rows());
         let goes_on = self.system.boundary() == Boundary::Periodic;
-        let is_loaded = |column: usize, row: usize| self.pressure[row * columns + column] > 0.0;
+        let is_loaded =
+            |column: usize, row: usize| is_loaded(self.pressure[row * columns + column]);
         // Index of the next cell along a direction with `count` cells; `None` at a border that is not periodic.
         let next = |place: usize, count: usize| match place + 1 {
             next if next < count => Some(next),
@@ -452,16 +453,22 @@ impl<'a> Level<'a> {
         EDGE * sides as f64 / loaded as f64
     }
 
-    /// Increases the indentation until the gap to the removed floor is closed.
-    pub(super) fn close_floor(&mut self) -> Result<Pressed, SolveError> {
+    /// Smallest separation of the undeformed surfaces on the removed floor.
+    pub(super) fn lowest_of_floor(&self) -> f64 {
         let floor = self.floor.as_ref().map_or(&[][..], Vec::as_slice);
-        let lowest = self
+        let of_floor = self
             .separation
             .iter()
             .zip(floor)
-            .filter(|(_, floor)| **floor)
+            .filter(|(_, floor)| **floor);
+        of_floor
             .map(|(separation, _)| *separation)
-            .fold(f64::INFINITY, f64::min);
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// Increases the indentation until the gap to the removed floor is closed.
+    pub(super) fn close_floor(&mut self) -> Result<Pressed, SolveError> {
+        let lowest = self.lowest_of_floor();
         // The nearest point of the floor is touched at this indentation without pressure, and at a larger one with any pressure, unless it
         // rises as the tops sink.
         let least = if self.rises() { 0.0 } else { lowest };
@@ -496,7 +503,7 @@ impl<'a> Level<'a> {
     }
 
     /// The smallest gap to the floor, and its cell.
-    fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SolveError> {
+    pub(super) fn floor_gap(&mut self, indentation: f64) -> Result<(f64, usize), SolveError> {
         let reusable = self.floor_cells.take();
         let known = match reusable.filter(|known| known.bound >= indentation) {
             Some(known) => known,
@@ -682,6 +689,19 @@ impl<'a> Level<'a> {
         Err(SolveError::SurfaceEnds { sides, needed })
     }
 
+    /// Refuses a contact that has reached the border of a grid under a lens, beyond which it would go on.
+    pub(super) fn check_inside(&self) -> Result<(), SolveError> {
+        let grid = self.surface.grid();
+        let is_bounded = self.system.indenter().bounded().is_some();
+        if !is_bounded || !border_cells(grid).any(|cell| is_loaded(self.pressure[cell])) {
+            return Ok(());
+        }
+        let [width, height] = grid.cell();
+        let sides = [grid.columns() as f64 * width, grid.rows() as f64 * height];
+        let needed = GROWN * sides[0].max(sides[1]);
+        Err(SolveError::SurfaceEnds { sides, needed })
+    }
+
     /// Whether the lens is lower than `level` (m) at the border, or touches a cell there.
     fn is_low_at_border(&self, displacement: &[f64], indentation: f64, level: f64) -> bool {
         let grid = self.surface.grid();
@@ -689,7 +709,7 @@ impl<'a> Level<'a> {
         border_cells(grid).any(|cell| {
             let gap = self.separation[cell] + displacement[cell] - indentation;
             let above_level = gap - (level - heights[cell]);
-            self.pressure[cell] > 0.0 || above_level < -BORDER_TOLERANCE * indentation.abs()
+            is_loaded(self.pressure[cell]) || above_level < -BORDER_TOLERANCE * indentation.abs()
         })
     }
 
@@ -714,6 +734,11 @@ impl<'a> Level<'a> {
         }
         warnings
     }
+}
+
+/// Whether a cell with this pressure is in contact; a negative pressure is adhesion.
+fn is_loaded(pressure: f64) -> bool {
+    pressure.abs() > 0.0
 }
 
 /// Height of the highest cell in a band along the border, an eighth of the surface wide: the estimate of the surface outside the grid.

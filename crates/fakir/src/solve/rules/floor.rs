@@ -91,9 +91,9 @@ impl<'a> FloorCells<'a> {
         }
     }
 
-    /// Sets whether one cell carries pressure.
-    pub(crate) fn set_one(&mut self, cell: usize, loaded: bool) {
-        self.loaded[cell] = loaded;
+    /// The same, to change: mirror images must keep the same state.
+    pub(crate) fn states(&mut self) -> &mut [bool] {
+        &mut self.loaded
     }
 
     /// Updates the states from the current loads (positive if a cell must be displaced further) and coefficients.

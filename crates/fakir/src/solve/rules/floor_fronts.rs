@@ -4,7 +4,7 @@
 //! border of the set is a crack front, which moves according to its energy release rate (Griffith), `G = K^2/2` with the stress intensity
 //! factor `K`, in units of the reduced modulus. `K` is computed from the solution near the front. At a distance `x` from it, the pressure
 //! inside is `-K/sqrt(2 pi x)` and the gap outside `4 K sqrt(x/(2 pi))`. On cells these are `-K phi(d)/sqrt h` and `K psi(d) sqrt h`, with
-//! `h` the square root of the area of a cell, `d` the distance in cells, and `phi` and `psi` from [tables](PRESSURE) computed on flat round
+//! `h` the square root of the area of a cell, `d` the distance in cells, and `phi` and `psi` from [tables](Laws) computed on flat round
 //! punches.
 //!
 //! The distance follows from the indicator function of the set, smoothed by a Gaussian of 1.2 cells: behind a straight front this is the
@@ -20,11 +20,11 @@
 //! If a front faces a pillar across a detached ring a few cells wide, the ring changes `K` within the window: a correction fitted to the
 //! exact ring ([`RING`]) removes this effect.
 
-use super::floor::FloorCells;
 use super::fronts::Works;
 use crate::halfspace::floor::grid::{FloorGrid, Mirrors};
 use crate::numerics::convergence::clamped;
 use crate::numerics::neighbours::{Nearest, Neighbours};
+use crate::problem::Cells;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -53,15 +53,39 @@ const SPREAD: f64 = 0.15;
 /// is above the second value, the mean of the data below the first; in between both are blended.
 const ONE_SIDED: [f64; 2] = [-0.35, -0.2];
 
-/// `phi(d) sqrt(2 pi d)` at 1.0, 1.2, ... 2.6 cells inside, and `psi(d) sqrt(2 pi/d)/4` at 0.2, 0.4, ... 2.6 cells outside: averages on
-/// flat round punches of 18 to 31 cells radius, without the effect of the curvature of their fronts. The test
-/// `tables_are_those_of_flat_punches` recomputes them.
-const PRESSURE: [f64; 9] = [
-    0.817, 0.874, 0.872, 0.887, 0.966, 1.010, 1.020, 1.035, 1.020,
-];
-const GAP: [f64; 13] = [
-    1.311, 1.046, 1.009, 0.977, 0.998, 1.005, 0.990, 1.010, 1.011, 1.007, 1.002, 0.996, 1.005,
-];
+/// The laws of pressures and gaps near a front: `phi(d) sqrt(2 pi d)` at 1.0, 1.2, ... 2.6 cells inside, and `psi(d) sqrt(2 pi/d)/4` at 0.2,
+/// 0.4, ... 2.6 cells outside: averages on flat round punches of 18 to 31 cells radius, without the effect of the curvature of their fronts.
+/// The tests `tables_are_those_of_flat_punches` recompute them.
+pub(crate) struct Laws {
+    /// `phi` of a cell at the front.
+    at_front: f64,
+    pressure: [f64; 9],
+    gap: [f64; 13],
+}
+
+/// Laws of cells that have the displacement of the indenter on average.
+const OF_MEANS: Laws = Laws {
+    // The mean of `1/sqrt(2 pi x)` over a cell.
+    at_front: 0.797_885,
+    pressure: [
+        0.817, 0.874, 0.872, 0.887, 0.966, 1.010, 1.020, 1.035, 1.020,
+    ],
+    gap: [
+        1.311, 1.046, 1.009, 0.977, 0.998, 1.005, 0.990, 1.010, 1.011, 1.007, 1.002, 0.996, 1.005,
+    ],
+};
+
+/// Laws of cells that have it at their centres.
+pub(crate) const OF_CENTRES: Laws = Laws {
+    // From the tension at which a cell detaches, `sqrt(w E*/(0.473201 h))`: R. Pohrt and V. L. Popov, Facta Univ. Ser. Mech. Eng. 13, 3 (2015).
+    at_front: 1.027_9,
+    pressure: [
+        1.045, 1.049, 1.000, 0.997, 1.005, 1.018, 1.027, 1.035, 1.024,
+    ],
+    gap: [
+        1.489, 1.155, 1.094, 1.051, 1.039, 1.048, 1.020, 1.035, 1.032, 1.028, 1.031, 1.013, 1.019,
+    ],
+};
 const TABLE_STEP: f64 = 0.2;
 
 /// Relative overestimate of `K` at a front that faces a pillar across `x` cells, times `x`, with a lower bound of 3 for `x`: with this
@@ -95,6 +119,9 @@ const CURVATURE_LIMIT: f64 = 0.2;
 const ROOT_FROM: f64 = 0.5;
 
 const NONE: u32 = u32::MAX;
+
+/// Distance and direction of the nearest rim where there is none.
+const NO_RIM: [f32; 3] = [f32::MAX, 0.0, 0.0];
 
 /// Motion of a front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -140,6 +167,10 @@ pub(crate) struct FloorFronts {
     banned: Vec<bool>,
     /// Cells that are mirror images of each other and move together, regardless of rounding.
     mirrors: Option<Arc<Mirrors>>,
+    /// `K` at a front divided by the pressure of a cell on it.
+    per_load: f64,
+    /// A gap larger than this is that of a step of the surface: it is no part of a crack.
+    steep: f64,
 }
 
 /// A value `k` of `K` at `u`, with its weight: the weight times `1, u, u^2, k, k u`, and the change of the last two with the curvature of
@@ -200,24 +231,27 @@ fn between(table: &[f64], first: f64, distance: f64) -> f64 {
     table[place] * (1.0 - part) + table[place + 1] * part
 }
 
-/// Approximate `phi` at any distance inside: a cell at the front carries the mean over its area, which is `2/sqrt(2 pi)`.
-fn pressure_near(distance: f64) -> f64 {
-    let (at_front, table_end) = (2.0 / TAU.sqrt(), INSIDE[1]);
-    if distance < INSIDE[0] {
-        let part = ((distance - 0.5) / (INSIDE[0] - 0.5)).max(-0.5);
-        return at_front + part * (pressure_at(INSIDE[0]) - at_front);
+impl Laws {
+    /// Approximate `phi` at any distance inside.
+    fn pressure_near(&self, distance: f64) -> f64 {
+        let (at_front, table_end) = (self.at_front, INSIDE[1]);
+        if distance < INSIDE[0] {
+            let part = ((distance - 0.5) / (INSIDE[0] - 0.5)).max(-0.5);
+            return at_front + part * (self.pressure_at(INSIDE[0]) - at_front);
+        }
+        let beyond = (distance / table_end).max(1.0);
+        self.pressure_at(distance.min(table_end)) / beyond.sqrt()
     }
-    let beyond = (distance / table_end).max(1.0);
-    pressure_at(distance.min(table_end)) / beyond.sqrt()
-}
 
-/// `phi` and `psi`.
-fn pressure_at(distance: f64) -> f64 {
-    between(&PRESSURE, 1.0, distance) / (TAU * distance).sqrt()
-}
+    /// `phi`.
+    fn pressure_at(&self, distance: f64) -> f64 {
+        between(&self.pressure, 1.0, distance) / (TAU * distance).sqrt()
+    }
 
-fn gap_at(distance: f64) -> f64 {
-    4.0 * between(&GAP, 0.2, distance) * (distance / TAU).sqrt()
+    /// `psi`: the gap of a crack with the stress intensity factor 1, in cells of unit area.
+    pub(crate) fn gap_at(&self, distance: f64) -> f64 {
+        4.0 * between(&self.gap, 0.2, distance) * (distance / TAU).sqrt()
+    }
 }
 
 /// A Gaussian on cells, normalised to the sum 1.
@@ -256,26 +290,14 @@ const STEPS: usize = 1024;
 const LEAST_CHANGE: f32 = 1e-4;
 
 impl FloorFronts {
-    /// Fronts without any cell in contact.
+    /// Fronts on the floor, without any cell in contact.
     pub(crate) fn new(grid: &FloorGrid, works: Option<Works>) -> Self {
-        let shape = grid.cells.grid();
-        let stride = shape.columns() + 2 * REACH;
-        let size = stride * (shape.rows() + 2 * REACH);
-        let places: Vec<u32> = grid
-            .cells
-            .positions()
-            .map(|(column, row)| ((row + REACH) * stride + column + REACH) as u32)
-            .collect();
-        let mut cells = vec![NONE; size];
-        for (cell, place) in places.iter().enumerate() {
-            cells[*place as usize] = cell as u32;
-        }
         let side = grid.division.cell_area().sqrt();
         let pillars = grid.pillars.iter();
         let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
         let rim = |[x, y]: [f64; 2]| {
             let Some((pillar, distance)) = pillars.nearest([x, y], Nearest::Edge, 0.0, None) else {
-                return [f32::MAX, 0.0, 0.0];
+                return NO_RIM;
             };
             let [px, py] = grid.pillars[pillar].centre;
             let away = [x - px, y - py];
@@ -286,6 +308,26 @@ impl FloorFronts {
                 (away[1] / length) as f32,
             ]
         };
+        Self {
+            rims: grid.cells.centres().map(rim).collect(),
+            mirrors: grid.mirrors.clone(),
+            ..Self::on_cells(&grid.cells, side, works, &OF_MEANS)
+        }
+    }
+
+    /// Fronts on cells with this square root of their area, without any cell in contact and without rims.
+    pub(crate) fn on_cells(on: &Cells, side: f64, works: Option<Works>, laws: &Laws) -> Self {
+        let shape = on.grid();
+        let stride = shape.columns() + 2 * REACH;
+        let size = stride * (shape.rows() + 2 * REACH);
+        let places: Vec<u32> = on
+            .positions()
+            .map(|(column, row)| ((row + REACH) * stride + column + REACH) as u32)
+            .collect();
+        let mut cells = vec![NONE; size];
+        for (cell, place) in places.iter().enumerate() {
+            cells[*place as usize] = cell as u32;
+        }
         let at = |distance: f64| normal(distance / SMOOTHING) as f32;
         let table = |factor: &dyn Fn(f64) -> [f64; 3]| -> Vec<[f64; 3]> {
             let value = |step: usize| factor(distance_of(step as f64 / STEPS as f64));
@@ -293,11 +335,11 @@ impl FloorFronts {
         };
         let root = side.sqrt();
         let shift = |d: f64| 0.25 * SMOOTHING * SMOOTHING / d.max(ROOT_FROM);
-        let of_pressure = |d: f64| [-root / pressure_at(d.max(INSIDE[0])), shift(d), d];
+        let of_pressure = |d: f64| [-root / laws.pressure_at(d.max(INSIDE[0])), shift(d), d];
         let of_gap = |d: f64| {
             let away = (-d).max(0.1);
             [
-                1.0 / (root * gap_at(away)),
+                1.0 / (root * laws.gap_at(away)),
                 shift(away) + away / 3.0,
                 -away / 3.0,
             ]
@@ -305,12 +347,12 @@ impl FloorFronts {
         Self {
             factors: [table(&of_pressure), table(&of_gap)],
             pressures: (0..=STEPS)
-                .map(|step| pressure_near(distance_of(step as f64 / STEPS as f64)))
+                .map(|step| laws.pressure_near(distance_of(step as f64 / STEPS as f64)))
                 .collect(),
             before: Vec::new(),
             works,
             stride,
-            rims: grid.cells.centres().map(rim).collect(),
+            rims: vec![NO_RIM; places.len()],
             gaps: vec![0.0; places.len()],
             loads: vec![0.0; places.len()],
             banned: vec![false; places.len()],
@@ -327,16 +369,23 @@ impl FloorFronts {
             slopes: Box::new(slopes(AVERAGE)),
             data: vec![Datum::default(); size],
             known: Vec::new(),
-            mirrors: grid.mirrors.clone(),
+            mirrors: None,
+            per_load: root / laws.at_front,
+            steep: f64::INFINITY,
         }
     }
 
+    /// The same on a surface with steps: gaps larger than `steep` are those of a step, and not of a crack.
+    pub(crate) fn with_steps(self, steep: f64) -> Self {
+        Self { steep, ..self }
+    }
+
     /// Attaches or detaches a cell.
-    pub(crate) fn set(&mut self, cells: &mut FloorCells<'_>, cell: usize, bonded: bool) {
-        if cells.loaded()[cell] == bonded {
+    pub(crate) fn set(&mut self, states: &mut [bool], cell: usize, bonded: bool) {
+        if states[cell] == bonded {
             return;
         }
-        cells.set_one(cell, bonded);
+        states[cell] = bonded;
         let corner = self.places[cell] as usize - REACH * (self.stride + 1);
         let sign = if bonded { 1.0 } else { -1.0 };
         for (row, stamp) in self.stamp.iter().enumerate() {
@@ -350,19 +399,19 @@ impl FloorFronts {
     /// Attaches or detaches cells. Returns neighbouring cells in contact with the approximate factors by which their pressures change.
     pub(crate) fn shift(
         &mut self,
-        cells: &mut FloorCells<'_>,
+        states: &mut [bool],
         moves: &[usize],
         bonded: bool,
     ) -> Vec<(usize, f64)> {
         self.before.clone_from(&self.smooth);
         for cell in moves {
-            self.set(cells, *cell, bonded);
+            self.set(states, *cell, bonded);
         }
         let pressure = |smooth: f32| {
             let step = f64::from(smooth).clamp(0.0, 1.0) * STEPS as f64;
             self.pressures[step as usize]
         };
-        let all = cells.loaded().iter().zip(&self.places).enumerate();
+        let all = states.iter().zip(&self.places).enumerate();
         let changed = all.filter_map(|(cell, (bonded, place))| {
             let [before, now] = [&self.before, &self.smooth].map(|of| of[*place as usize]);
             let moved = *bonded && (before - now).abs() > LEAST_CHANGE;
@@ -425,7 +474,7 @@ impl FloorFronts {
                 }
                 datum(&self.factors[0], smooth, pressure, INNER)
             } else {
-                if !(outside[0]..outside[1]).contains(&smooth) {
+                if !(outside[0]..outside[1]).contains(&smooth) || *gap > self.steep {
                     continue;
                 }
                 datum(&self.factors[1], smooth, *gap, 1.0)
@@ -579,21 +628,22 @@ impl FloorFronts {
             FloorMove::TakeBack => TAKE_BACK * works.receding,
         };
         let is_bonded = |cell: &u32| *cell != NONE && bonded[*cell as usize];
-        for (cell, bonded) in bonded.iter().enumerate() {
+        for (cell, state) in bonded.iter().enumerate() {
             let smooth = self.smooth[self.places[cell] as usize];
             if which == FloorMove::Advance {
-                if *bonded || self.banned[cell] {
+                if *state || self.banned[cell] {
                     continue;
                 }
                 let touched = self.gaps[cell] < -entered;
-                if !touched && smooth < low {
+                if !touched && (smooth < low || self.gaps[cell] > self.steep) {
                     continue;
                 }
                 let neighbours = self.neighbours(cell);
                 if !neighbours.iter().any(is_bonded) {
                     if touched {
                         // A new spot: attach all surrounding cells too.
-                        moves.extend(self.around(cell));
+                        let near = self.around(cell);
+                        moves.extend(near.filter(|other| self.gaps[*other] <= self.steep));
                     }
                     continue;
                 }
@@ -605,16 +655,37 @@ impl FloorFronts {
                 if advances {
                     moves.push(cell);
                 }
-            } else if *bonded
+            } else if *state
                 && smooth < high
                 && !self.neighbours(cell).iter().all(is_bonded)
-                && let Some([k, factor]) = self.corrected(cell, which)
-                && k.abs() * k * 0.5 > limit * factor
+                && let Some([k, factor]) = self.corrected(cell, which).or(self.alone(cell))
+                && k.abs() * k * 0.5
+                    > limit
+                        * if self.is_at_step(bonded, cell) {
+                            1.0
+                        } else {
+                            factor
+                        }
             {
                 moves.push(cell);
             }
         }
         moves
+    }
+
+    /// `K` from the pressure of a cell of a patch that is too small for other data, on a surface with steps.
+    fn alone(&self, cell: usize) -> Option<[f64; 2]> {
+        let is_stepped = self.steep.is_finite();
+        is_stepped.then(|| [-self.loads[cell] * self.per_load, 1.0])
+    }
+
+    /// Whether a cell is at a step of the surface, where a front stays: it leaves along its whole length, and not by pieces.
+    fn is_at_step(&self, bonded: &[bool], cell: usize) -> bool {
+        let ends = |other: &u32| match *other {
+            NONE => true,
+            other => !bonded[other as usize] && self.gaps[other as usize] > self.steep,
+        };
+        self.steep.is_finite() && self.neighbours(cell).iter().any(ends)
     }
 
     /// A cell and its neighbours.
@@ -656,8 +727,13 @@ pub(crate) mod tests {
         }
     }
 
-    pub(crate) fn tables() -> [(f64, &'static [f64]); 2] {
-        [(1.0, &PRESSURE), (0.2, &GAP)]
+    impl Laws {
+        pub(crate) const MEANS: &Self = &OF_MEANS;
+
+        /// The tables, with their first distances.
+        pub(crate) fn tables(&self) -> [(f64, &[f64]); 2] {
+            [(1.0, &self.pressure), (0.2, &self.gap)]
+        }
     }
 
     /// Abramowitz & Stegun, table 26.1.

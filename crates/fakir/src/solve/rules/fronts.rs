@@ -21,6 +21,7 @@ use crate::halfspace::disc::basis::{
 };
 use crate::halfspace::disc::exterior::MAXIMUM_DEGREE;
 use crate::problem::column::Column;
+use crate::state::Branch;
 use crate::state::fields::{BondedRegion, Front};
 use std::f64::consts::{PI, TAU};
 use std::sync::{Arc, LazyLock};
@@ -141,6 +142,14 @@ impl Course {
         match self {
             Self::Loading => 1.0,
             Self::Unloading => -1.0,
+        }
+    }
+
+    /// The branch in results.
+    pub(crate) fn branch(self) -> Branch {
+        match self {
+            Self::Loading => Branch::Loading,
+            Self::Unloading => Branch::Unloading,
         }
     }
 }
