@@ -222,9 +222,19 @@ fn of_asperities(
             ("force", found.force),
             ("indentation", found.indentation),
             ("the contact area", found.area),
-        ],
+        ]
+        .into_iter()
+        .chain(
+            found
+                .floor_share
+                .map(|it| ("the fraction on the floor", it)),
+        )
+        .collect(),
         verdict: found.verdict(),
-        cells: format!("{cells} cells across every contact"),
+        cells: match found.floor_share {
+            Some(_) => format!("{cells} cells across a mean contact, on tops and floor"),
+            None => format!("{cells} cells across every contact"),
+        },
         toml: case.to_toml(),
         warnings: asperity_warnings(AsperityAnswer::of(case, &found.discs)),
     };
@@ -301,7 +311,13 @@ fn mesh_table(heading: &'static str, rows: &[MeshRow]) -> String {
         let pillars = row.pillars_in_contact;
         pillars.map_or(String::new(), |pillars| pillars.to_string())
     });
+    let on_floor = rows.iter().any(|row| row.floor_share.is_some());
+    let floor = [
+        Column::number("on the floor", DIGITS, |row: &MeshRow| row.floor_share),
+        Column::right("error", |row| estimate(row.floor_share_error_estimate)),
+    ];
     let columns = columns.into_iter().chain(on_tops.then_some(pillars));
+    let columns = columns.chain(floor.into_iter().filter(|_| on_floor));
     table(rows, &columns.collect::<Vec<_>>())
 }
 

@@ -174,14 +174,14 @@ const DISCS: &str = "discs";
 pub struct MeshRow {
     /// Name of the method.
     pub method: &'static str,
-    /// Cells across a pillar, across the contact with a flat surface, or across every contact on rounded tops; `None` for discs.
+    /// Cells across a pillar, across the contact with a flat surface, or across every contact on rounded tops (across their mean if the floor carries load); `None` for discs.
     pub cells_per_diameter: Option<usize>,
     /// Descriptive name.
     #[serde(skip)]
     pub name: String,
-    /// Number of cells along x; `None` for the disc, and on rounded tops, each of which has its cells.
+    /// Number of cells along x; `None` for the disc, and on rounded tops, each of which has its cells, unless the floor carries load.
     pub columns: Option<usize>,
-    /// Number of cells along y; `None` for the disc, and on rounded tops, each of which has its cells.
+    /// Number of cells along y; `None` for the disc, and on rounded tops, each of which has its cells, unless the floor carries load.
     pub rows: Option<usize>,
     /// Number of rounded tops in contact; `None` on other surfaces.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -202,6 +202,12 @@ pub struct MeshRow {
     pub contact_radius_error_estimate: Option<f64>,
     /// Estimated relative error of the contact area; `None` on too few cells.
     pub contact_area_error_estimate: Option<f64>,
+    /// Ratio of the floor force to the total force: past the transition of rounded tops, whose contact area is then that of the tops alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_share: Option<f64>,
+    /// Estimated relative error of the floor share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub floor_share_error_estimate: Option<f64>,
     /// Whether the solution converged.
     pub converged: bool,
     /// Steps of the solver.
@@ -289,6 +295,7 @@ impl SurfaceVerifySummary {
     ) -> Self {
         let differences = |of: fn(&Difference) -> f64| Differences {
             contact_area: Some(of(&verification.area)),
+            floor_share: verification.floor_share.as_ref().map(of),
             ..differences(&verification.force, &verification.indentation, of)
         };
         let elements = verification.elements.iter().map(MeshRow::of_tops);
@@ -351,6 +358,8 @@ impl MeshRow {
             indentation_error_estimate: contact.error.map(|error| error.indentation),
             contact_radius_error_estimate: contact.relative_contact_radius_error(),
             contact_area_error_estimate: contact.area_error,
+            floor_share: None,
+            floor_share_error_estimate: None,
             converged: contact.converged(),
             iterations: contact.products,
         }
@@ -375,6 +384,8 @@ impl MeshRow {
             indentation_error_estimate: error.map(|error| relative(error.indentation)),
             contact_radius_error_estimate: None,
             contact_area_error_estimate: error.map(|error| error.area),
+            floor_share: contact.floor.as_ref().map(|floor| floor.share),
+            floor_share_error_estimate: contact.floor.as_ref().map(|it| it.error.share),
             converged: contact.converged(),
             iterations: contact.iterations,
         }
@@ -385,8 +396,8 @@ impl MeshRow {
             method: METHOD,
             cells_per_diameter: Some(contact.cells),
             name: format!("elements, {} cells", contact.cells),
-            columns: None,
-            rows: None,
+            columns: contact.floor.map(|floor| floor.columns),
+            rows: contact.floor.map(|floor| floor.columns),
             pillars_in_contact: Some(contact.touched()),
             force_N: contact.force,
             indentation_m: contact.indentation,
@@ -396,6 +407,8 @@ impl MeshRow {
             indentation_error_estimate: Some(contact.error.indentation),
             contact_radius_error_estimate: None,
             contact_area_error_estimate: Some(contact.area_error),
+            floor_share: contact.floor.map(|floor| floor.share),
+            floor_share_error_estimate: contact.floor.map(|floor| floor.error.share),
             converged: contact.converged(),
             iterations: contact.products,
         }
@@ -418,6 +431,8 @@ impl MeshRow {
             indentation_error_estimate: Some(error.indentation),
             contact_radius_error_estimate: Some(error.contact_radius),
             contact_area_error_estimate: Some(2.0 * error.contact_radius),
+            floor_share: None,
+            floor_share_error_estimate: None,
             converged: contact.converged(),
             iterations: 0,
         }

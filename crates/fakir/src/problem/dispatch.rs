@@ -505,13 +505,6 @@ static RULES: &[Rule] = &[
         "set the floor to contact",
     ),
     rule(
-        &[Question::VerifyFloor],
-        ASPERITIES,
-        &[],
-        "under rounded tops the second method contains the tops and not the floor",
-        "prescribe an indentation or a force below the critical state; `press` estimates the error past it",
-    ),
-    rule(
         &[Question::Theory],
         ASPERITIES,
         &[],

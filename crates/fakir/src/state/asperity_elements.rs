@@ -3,17 +3,18 @@
 use super::contact::{ErrorEstimate, Termination};
 use super::error::SolveError;
 use super::finite::check_number;
+use super::floor_contact::FloorErrors;
 
 /// The contact with rounded tops, with boundary elements on every top.
 #[derive(Debug, Clone)]
 pub struct AsperityElements {
-    /// Cells across every contact that is expected.
+    /// Cells across every contact that is expected; with the floor, across their mean.
     pub cells: usize,
     /// Indentation, m.
     pub indentation: f64,
     /// Normal force, N.
     pub force: f64,
-    /// Area of the cells in contact, m^2.
+    /// Area of the cells of tops in contact, m^2.
     pub area: f64,
     /// Distance from the lens axis of the farthest cell in contact, as of [`AsperityContact`](super::AsperityContact), m; `None` for a level
     /// plate.
@@ -24,10 +25,27 @@ pub struct AsperityElements {
     pub error: ErrorEstimate,
     /// Estimated relative error of the contact area.
     pub area_error: f64,
+    /// The floor between the tops; `None` where it carries no load in the other solution, so that there are cells on the tops only.
+    pub floor: Option<FloorElements>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Number of operator products with these cells.
     pub products: usize,
+}
+
+/// The floor between rounded tops, with boundary elements on one grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FloorElements {
+    /// Force on the floor, N.
+    pub force: f64,
+    /// Fraction of the total force carried by the floor.
+    pub share: f64,
+    /// Area of the cells in contact, m^2.
+    pub area: f64,
+    /// Estimated relative errors.
+    pub error: FloorErrors,
+    /// Number of cells along a side of the grid, which contains tops and floor.
+    pub columns: usize,
 }
 
 impl AsperityElements {
@@ -60,6 +78,15 @@ impl AsperityElements {
             &mut self.error.indentation,
         )?;
         check_number("error estimate of the area", &mut self.area_error)?;
+        if let Some(floor) = &mut self.floor {
+            check_number("force on the floor", &mut floor.force)?;
+            check_number("fraction of the load on the floor", &mut floor.share)?;
+            check_number(
+                "error estimate of the floor's share",
+                &mut floor.error.share,
+            )?;
+            check_number("error estimate of the floor's area", &mut floor.error.area)?;
+        }
         Ok(self)
     }
 }

@@ -37,7 +37,7 @@ pub use asperity_contact::{
     AsperityContact, AsperityErrors, AsperityFloorGap, AsperitySlopes, AsperityState,
 };
 pub use asperity_cycle::{AsperityCycle, AsperityCycleErrors, AsperityEvent, AsperityLoadStep};
-pub use asperity_elements::AsperityElements;
+pub use asperity_elements::{AsperityElements, FloorElements};
 pub use asperity_fields::AsperityFields;
 pub use asperity_gradient::{AsperityDerivatives, AsperityGradient};
 pub use contact::{ContactState, ErrorEstimate, PillarState, PillarStatus, Termination, Warning};

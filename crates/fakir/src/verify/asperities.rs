@@ -4,6 +4,7 @@ use super::{Difference, InconclusiveReason, Verdict};
 use crate::numerics::convergence::larger;
 use crate::problem::{Accuracy, AsperityArray, Feature, Load, Question, Solver};
 use crate::solve::elements::asperities::press_asperities;
+use crate::solve::elements::asperity_map::press_on_map;
 use crate::state::{
     AsperityContact, AsperityElements, AsperityErrors, Run, SolveError, Termination,
 };
@@ -20,8 +21,10 @@ pub struct AsperityVerification {
     /// Difference of the indentation with elements from that with discs, relative to the indentation, or to the depth below first touch if
     /// that is larger.
     pub indentation: Difference,
-    /// Relative difference of the contact area with elements from that with discs.
+    /// Relative difference of the contact area on the tops with elements from that with discs.
     pub area: Difference,
+    /// Relative difference of the fraction of the load carried by the floor; `None` if the floor carries no load with discs.
+    pub floor_share: Option<Difference>,
 }
 
 impl AsperityVerification {
@@ -40,7 +43,9 @@ impl AsperityVerification {
                     termination,
                 },
             );
-        Verdict::of(failed, &[self.force, self.indentation, self.area])
+        let differences = [self.force, self.indentation, self.area].into_iter();
+        let differences: Vec<Difference> = differences.chain(self.floor_share).collect();
+        Verdict::of(failed, &differences)
     }
 
     /// Whether both methods converged and agree within their error estimates.
@@ -55,8 +60,11 @@ impl AsperityVerification {
 /// With elements, contacts may have any shape, and tops that are not touched according to the other method are checked. Both methods share
 /// the undeformed gap and the elastic response of the half-space: the displacement due to modes of a disc, and due to a square.
 ///
+/// Past the transition, elements cover tops and floor on one grid, and the fraction of the load carried by the floor is compared as well.
+/// `cells` is then their number across a contact of mean radius, weighted with the forces.
+///
 /// # Errors
-/// As [`AsperityArray::press`]; [`SolveError::Unsupported`] with adhesion, and past the transition.
+/// As [`AsperityArray::press`] and [`SurfaceSystem::press`](crate::problem::SurfaceSystem::press); [`SolveError::Unsupported`] with adhesion.
 pub fn verify_asperities(
     array: &AsperityArray,
     load: Load,
@@ -69,10 +77,10 @@ pub fn verify_asperities(
     };
     Question::Verify.check(Solver::Asperities, features)?;
     let discs = array.press(load, Accuracy::Accurate, run)?;
-    if discs.floor.is_some() {
-        Question::VerifyFloor.check(Solver::Asperities, &Feature::of_asperities(array))?;
-    }
-    let elements = press_asperities(array, load, &discs, cells, run)?;
+    let elements = match array.floor().filter(|_| discs.floor.is_some()) {
+        Some(depth) => press_on_map(array, (load, depth), &discs, cells, run)?,
+        None => press_asperities(array, load, &discs, cells, run)?,
+    };
     let fine = &elements[1];
     let unknown = AsperityErrors {
         force: f64::NAN,
@@ -83,6 +91,7 @@ pub fn verify_asperities(
     let touch = array.first_touch();
     let depth = larger(discs.indentation.abs(), discs.indentation - touch);
     let relative = |length: f64| if length == 0.0 { 0.0 } else { length / depth };
+    let on_floor = (discs.floor.as_ref()).zip(fine.floor);
     Ok(AsperityVerification {
         force: Difference::of(fine.force, discs.force, fine.error.force + error.force),
         indentation: Difference {
@@ -90,6 +99,10 @@ pub fn verify_asperities(
             allowed: fine.error.indentation + relative(error.indentation),
         },
         area: Difference::of(fine.area, discs.area, fine.area_error + error.area),
+        floor_share: on_floor.map(|(floor, other)| {
+            let allowed = other.error.share + floor.error.share;
+            Difference::of(other.share, floor.share, allowed)
+        }),
         elements,
         discs,
     })

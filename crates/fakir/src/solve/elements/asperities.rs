@@ -442,6 +442,7 @@ impl Problem<'_> {
                 },
             },
             area_error: area,
+            floor: None,
             termination: last.termination,
             products: last.products,
         }

@@ -3,7 +3,7 @@
 //! * [`solver`]: the conditions on arbitrary cells, with a duality gap;
 //! * [`separation`]: two surfaces given by their separation, with unknowns only in an active set;
 //! * `pillars`: elements on the pillars of a lattice;
-//! * `asperities`: elements on rounded tops;
+//! * `asperities`: elements on rounded tops, and `asperity_map` on tops and floor;
 //! * [`surface`]: a lens or a plate pressed onto a height map;
 //! * `adhesive`: the same with adhesion.
 #![doc = ""]
@@ -12,6 +12,7 @@
 mod active;
 mod adhesive;
 pub(crate) mod asperities;
+pub(crate) mod asperity_map;
 mod closing;
 pub(crate) mod flat;
 pub(crate) mod pattern;
