@@ -110,7 +110,7 @@ class AsperityArray(Viscoelastic):
             given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
             if given.floor:
                 raise ValueError(
-                    "floor contact is not computed under rounded tops with adhesion: leave floor=True out"
+                    "the adhesion of the floor is not computed under rounded tops: leave floor=True out"
                 )
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
@@ -214,8 +214,8 @@ class AsperityArray(Viscoelastic):
         """Computes the contact at an indentation (m) or under a force (N): exactly one of them.
 
         The indentation is zero where the indenter is level with the reference height. Past the transition the
-        floor carries load too, without adhesion under a lens that comes closest to it near its axis. With adhesion the floor is
-        neglected, and the result is the contact on loading, from first touch on.
+        floor carries load too, under a lens that comes closest to it near its axis. With adhesion of the tops the result is the contact
+        on loading, from first touch on; the floor carries pressures only.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_asperities(self._asperities, *load(indentation, force), run)
@@ -237,7 +237,7 @@ class AsperityArray(Viscoelastic):
     ) -> AsperityVerification:
         """Compares the discs of contact with boundary elements, on ``cells_per_diameter`` cells across every contact and on half as many.
 
-        The discs are computed with the accurate setting. Boundary elements do not support adhesion; tops with adhesion are refused.
+        Past the transition the elements cover tops and floor, on that number of cells across a contact of mean radius. The discs are computed with the accurate setting. Boundary elements do not support adhesion; tops with adhesion are refused.
         """
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
@@ -419,6 +419,8 @@ class AsperityElements(NamedTuple):
     """Number of tops that carry a force."""
     converged: bool
     """Whether the solution converged."""
+    floor_share: float | None = None
+    """Fraction of the force carried by the floor; None if it carries no load with discs."""
 
 
 class AsperityVerification(Opinion):
@@ -431,11 +433,15 @@ class AsperityVerification(Opinion):
     elements: tuple[AsperityElements, AsperityElements]
     """The contacts with boundary elements, on half as many cells and on all."""
     contact_area: Difference
-    """Difference of the contact area with elements from that with discs."""
+    """Difference of the contact area on the tops with elements from that with discs."""
+    floor_share: Difference | None
+    """Difference of the fraction of the force carried by the floor; None if it carries no load with discs."""
 
     def __init__(self, summary: dict[str, Any], discs: AsperityContact) -> None:
         super().__init__(summary)
         self.contact_area = self._difference("contact_area")
+        has_share = "floor_share" in summary["relative_difference"]
+        self.floor_share = self._difference("floor_share") if has_share else None
         coarse, fine = (
             AsperityElements(
                 row["cells_per_diameter"],
@@ -445,6 +451,7 @@ class AsperityVerification(Opinion):
                 row["contact_radius_m"],
                 row["pillars_in_contact"],
                 row["converged"],
+                row.get("floor_share"),
             )
             for row in summary["answers"][1:]
         )
@@ -454,7 +461,8 @@ class AsperityVerification(Opinion):
         coarse, fine = self.elements
         return self._rows_of(
             [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)],
-            [("contact area", self.contact_area)],
+            [("contact area", self.contact_area)]
+            + ([] if self.floor_share is None else [("floor share", self.floor_share)]),
         )
 
 

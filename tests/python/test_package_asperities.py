@@ -221,7 +221,7 @@ def test_the_floor_is_reached_at_the_transition():
 
 
 def test_a_floor_under_rounded_tops_is_not_adhesive():
-    with pytest.raises(ValueError, match="floor contact is not computed"):
+    with pytest.raises(ValueError, match="adhesion of the floor is not computed"):
         fakir.AsperityArray(
             0.0, 0.0, "1 um", "0.5 mm", GLASS, RUBBER, adhesion=fakir.Adhesion(0.05, floor=True)
         )

@@ -38,7 +38,7 @@ impl AnyCase {
         }
         if asked == Asked::Collapse && case.pattern().is_none() {
             return Err(file.missing(Key::AdhesiveFloor).accepted(
-                "a collapse is that of a pattern with flat tops: use question = \"cycle\"",
+                "a flat surface has no floor between pillars, and under rounded tops and on height maps a collapse is not computed: use question = \"cycle\"",
             ));
         }
         Ok(case)

@@ -122,7 +122,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             with("[adhesion]\nwork = \"50 mJ/m2\"\nfloor = true\n"),
-            "adhesion.floor: floor contact is not computed under rounded tops",
+            "adhesion.floor: the floor under rounded tops carries pressures only",
         ),
         (
             with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),

@@ -47,8 +47,9 @@ impl<'a> AsperityCritical<'a> {
 const LEFT_OUT: &[&str] = &["floor", "adhesion"];
 const LEFT_OUT_WITH_ADHESION: &[&str] = &["floor"];
 
-/// The same where it is computed, and in the critical state, in which the floor has no load.
+/// The same where it is computed, and without adhesion in the critical state, in which the floor has no load.
 const LEFT_OUT_WITH_FLOOR: &[&str] = &["adhesion"];
+const LEFT_OUT_WITH_BOTH: &[&str] = &["adhesion of the floor"];
 
 impl<'a> AsperityAnswer<'a> {
     /// A contact of a case.
@@ -96,8 +97,8 @@ impl<'a> AsperityAnswer<'a> {
             self.field.is_floor_loaded(),
             self.field.adhesion().is_none(),
         ) {
-            // Only without adhesion.
-            (true, _) => LEFT_OUT_WITH_FLOOR,
+            (true, true) => LEFT_OUT_WITH_FLOOR,
+            (true, false) => LEFT_OUT_WITH_BOTH,
             (false, true) => LEFT_OUT,
             (false, false) => LEFT_OUT_WITH_ADHESION,
         }

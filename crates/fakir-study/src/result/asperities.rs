@@ -22,7 +22,8 @@ pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
         answer.neglects_floor(),
         adhesive,
     ) {
-        (true, _, _) => "left out: adhesion; tops and floor carry load",
+        (true, _, false) => "left out: adhesion; tops and floor carry load",
+        (true, _, true) => "left out: adhesion of the floor; tops and floor carry load",
         (_, false, false) => "left out: adhesion; the floor carries no load",
         (_, false, true) => "the floor carries no load",
         (_, true, false) => "neglected: adhesion, and the load of the floor if it is reached",
@@ -45,7 +46,7 @@ pub fn asperity_warnings(answer: AsperityAnswer<'_>) -> Vec<String> {
     if let Some(floor) = contact.floor_gap.filter(|floor| floor.gap < 0.0) {
         let why = match field.floor_model() {
             FloorModel::Ignored => "its load is ignored (floor.contact = false)",
-            FloorModel::Contact => "its load is neglected under adhesive rounded tops",
+            FloorModel::Contact => "its load is not computed",
         };
         words.push(format!(
             "the lens would be {} below the floor: {why}; `transition` gives the load at which the floor is reached",

@@ -264,7 +264,7 @@ impl AsperityArray {
     }
 
     /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. The
-    /// [critical state](AsperityArray::transition) is that in which the lens reaches it; past it, without adhesion, the floor carries load. A pillar covers the floor within the radius of its
+    /// [critical state](AsperityArray::transition) is that in which the lens reaches it; past it the floor carries load. A pillar covers the floor within the radius of its
     /// rim, or where its top extends down to the floor as a paraboloid.
     ///
     /// # Errors
@@ -299,14 +299,14 @@ impl AsperityArray {
         self.floor
     }
 
-    /// Whether the floor carries load past the transition: there is one that is not ignored, without adhesion, under a lens that
-    /// comes closest to it near its axis.
+    /// Whether the floor carries load past the transition: there is one that is not ignored, under a lens that comes closest to it near its
+    /// axis.
     #[must_use]
     pub fn is_floor_loaded(&self) -> bool {
         let lens = self.indenter.lens();
         let has_axis = lens.is_some_and(|lens| !lens.is_flat() && lens.is_axisymmetric());
         let has_contact = self.floor.is_some() && self.floor_model == FloorModel::Contact;
-        has_contact && has_axis && self.adhesion.is_none()
+        has_contact && has_axis
     }
 
     /// The interactions that do not change the normal contact.

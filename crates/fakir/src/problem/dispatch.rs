@@ -328,13 +328,6 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[FLOOR_INTERACTION, ADHESIVE_TOPS],
-        "floor contact is not computed under rounded tops with adhesion, so that a shear stress on the floor has no area",
-        "leave out the shear stress on the floor, or the work of adhesion",
-    ),
-    rule(
-        ANY,
-        ASPERITIES,
         &[FLOOR_INTERACTION, WITHOUT_AXIS],
         "floor contact is not computed under rounded tops for a cylinder or a plate, which is closest to the floor outside the pillars",
         "leave out the shear stress on the floor: that on the tops is used",
@@ -466,7 +459,7 @@ static RULES: &[Rule] = &[
         ANY,
         ASPERITIES,
         &[ADHESIVE_FLOOR],
-        "floor contact is not computed under rounded tops with adhesion, so that the floor cannot be adhesive",
+        "the floor under rounded tops carries pressures only: its adhesion is not computed",
         "use adhesion of the tops only",
     ),
     rule(
@@ -489,13 +482,6 @@ static RULES: &[Rule] = &[
         &[WITHOUT_AXIS],
         "a cylinder or a plate is closest to the floor outside the pillars, where its contact with the floor has no end",
         "use a lens with an axis",
-    ),
-    rule(
-        &[Question::FloorShare],
-        ASPERITIES,
-        &[ADHESIVE_TOPS],
-        "floor contact is not computed under rounded tops with adhesion",
-        "leave out the work of adhesion",
     ),
     rule(
         &[Question::FloorShare],
@@ -642,7 +628,7 @@ static RULES: &[Rule] = &[
         "use `press`",
     ),
     rule(
-        &[Question::Verify],
+        &[Question::Verify, Question::VerifyFloor],
         &[Solver::Flat, Solver::Asperities],
         &[ADHESIVE_TOPS],
         "there is no second method for adhesion: its tension at the rim is infinite, and boundary elements support only pressures",

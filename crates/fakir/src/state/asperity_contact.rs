@@ -73,7 +73,7 @@ pub struct AsperityErrors {
 /// The smallest gap between the lens and the floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AsperityFloorGap {
-    /// The gap, m; zero if the floor is in contact, negative with adhesion where the lens would be below the floor, whose load is then not
+    /// The gap, m; zero if the floor is in contact, negative where the lens would be below the floor, whose load is then not
     /// computed.
     pub gap: f64,
     /// Position of this point of the floor, m from the lens axis.

@@ -73,7 +73,7 @@ pub struct AsperityCycle {
     pub critical: Option<Critical<AsperityContact>>,
     /// The contact at the end of loading.
     pub turn: AsperityContact,
-    /// The contact with the largest tensile force of the unloading, without error estimate; none without unloading or without tension.
+    /// The contact with the largest tensile force of the unloading, without error estimate and without the contact with the floor; none without unloading or without tension.
     pub pull_off: Option<AsperityContact>,
     /// Indentation of the last detachment, m; none without unloading.
     pub separation: Option<f64>,
@@ -91,6 +91,18 @@ pub struct AsperityCycle {
 }
 
 impl AsperityCycle {
+    /// Adds the differences from the same cycle on larger cells of the floor to the errors.
+    pub(crate) fn compare(&mut self, other: &Self) {
+        let relative = |one: Option<f64>, two: Option<f64>| match (one, two) {
+            (Some(one), Some(two)) if other.converged() => (two / one - 1.0).abs(),
+            (None, None) => 0.0,
+            _ => 1.0,
+        };
+        let force = |cycle: &Self| cycle.pull_off.as_ref().map(|contact| contact.force);
+        self.errors.pull_off_force += relative(force(self), force(other));
+        self.errors.loop_area += relative(self.loop_area, other.loop_area);
+    }
+
     /// Whether the solver converged.
     #[must_use]
     pub fn converged(&self) -> bool {

@@ -4,6 +4,7 @@
 
 mod adhesion;
 mod adhesive_asperities;
+mod adhesive_asperity_floor;
 mod arrangements;
 mod asperities;
 mod asperity_fields;

@@ -354,7 +354,7 @@ impl Bench {
         accuracy: Accuracy,
         run: &Run<'_>,
     ) -> Result<AsperityContact, SolveError> {
-        let mut path = Path::new(equations, run)?;
+        let mut path = Path::new(equations, None, run)?;
         let stop = match target {
             Prescribed::Indentation(indentation) => Stop::Indentation(indentation),
             Prescribed::Force(force) => Stop::Force(force),
@@ -398,6 +398,9 @@ impl AsperityArray {
     /// they touch the lens. For a prescribed force, it is the first state that reaches this force; for zero force, the lens is in equilibrium
     /// after the jump. The error of the force is then relative to the force or to the sum of the pull-off forces `3/2 pi w R` of all contacts,
     /// whichever is larger, since the force may be zero.
+    ///
+    /// Past the transition tops and floor are solved together, if the [floor carries load](AsperityArray::is_floor_loaded): it carries
+    /// pressures only.
     ///
     /// # Errors
     /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
@@ -593,7 +596,7 @@ impl Bench {
     }
 
     /// Sum of the pull-off forces of all contacts as isolated ones, N: `3/2 pi w R`. Zero without adhesion.
-    fn pull_off_scale(&self, contacts: &Contacts) -> f64 {
+    pub(super) fn pull_off_scale(&self, contacts: &Contacts) -> f64 {
         let pull = PI * self.layout.grip;
         let forces = contacts.discs.iter().map(|disc| {
             // pi w R, with `w = pi grip^2/2` in units of the modulus.

@@ -14,11 +14,14 @@ use crate::problem::load::Prescribed;
 use crate::problem::{
     Accuracy, AsperityArray, CyclePlan, Load, LoadingMode, UnloadingPoint, Unsupported,
 };
+use crate::state::asperity_contact::AsperityContact;
 use crate::state::asperity_cycle::{
     AsperityCycle, AsperityCycleErrors, AsperityEvent, AsperityLoadStep,
 };
 use crate::state::discs::{Contacts, Disc};
-use crate::state::{Branch, CycleEventKind, Progress, Run, SolveError, Stage, Termination};
+use crate::state::{
+    Branch, Critical, CycleEventKind, Progress, Run, SolveError, Stage, Termination,
+};
 
 /// Number of jumps, those that dissipate most, whose energy is computed with a pressure of a higher degree for the error estimate.
 const MOST_JUMPS: usize = 6;
@@ -175,6 +178,9 @@ impl AsperityArray {
     ///
     /// A contact begins where an asperity touches the lens, and ends where its equilibrium becomes unstable.
     ///
+    /// If the lens reaches the floor before unloading, the floor is [part of the equations](super::loaded_floor): it carries pressures, and
+    /// detaches without a jump of its own. The cycle is then computed on two grids of cells, whose difference is part of the errors.
+    ///
     /// ```
     /// use fakir::problem::{
     ///     Accuracy, Adhesion, Asperity, AsperityArray, CyclePlan, Indenter, Material, UnloadingPoint,
@@ -211,15 +217,78 @@ impl AsperityArray {
         }
         let bench = Bench::new(self);
         let plan = bench.checked_plan(plan)?;
+        let critical = match plan.turn {
+            UnloadingPoint::Critical(_) => Some(self.transition(accuracy, run)?),
+            _ => None,
+        };
+        let of = Cycling {
+            bench: &bench,
+            plan,
+            critical,
+            accuracy,
+            run,
+        };
         let mut equations = Equations::new(&bench.layout, degree(accuracy));
-        let mut path = Path::new(&mut equations, run)?;
+        let alone = of.cycle(&mut equations, None)?;
+        let Some(depth) = self.floor().filter(|_| self.is_floor_loaded()) else {
+            return Ok(alone);
+        };
+        // The floor is reached at the largest indentation, if anywhere.
+        let reached = bench.floor_gap(&alone.turn, depth, run)?;
+        if !alone.converged() || reached.is_none_or(|floor| floor.gap >= 0.0) {
+            return Ok(alone);
+        }
+        let target = match plan.turn {
+            UnloadingPoint::Force(force) => Prescribed::Force(force / bench.units.force()),
+            _ => Prescribed::Indentation(alone.turn.contacts.indentation),
+        };
+        let grids = bench.grids(target, &alone.turn, depth, run)?;
+        let Some([(mut fine, bound), (mut coarse, _)]) = grids else {
+            return Ok(alone);
+        };
+        let mut found = of.cycle(&mut fine, Some(bound))?;
+        let other = of.cycle(&mut coarse, Some(bound))?;
+        found.compare(&other);
+        if found.converged() {
+            // The end of loading, with the floor and with error estimates from three grids.
+            let load = Load::Indentation(found.turn.indentation);
+            found.turn = self.press(load, accuracy, run)?;
+        }
+        Ok(found)
+    }
+}
+
+/// The cycle of an array.
+struct Cycling<'a> {
+    bench: &'a Bench,
+    plan: CyclePlan,
+    critical: Option<Critical<AsperityContact>>,
+    accuracy: Accuracy,
+    run: &'a Run<'a>,
+}
+
+impl Cycling<'_> {
+    /// The cycle with these equations, of which the floor may be a part, on cells up to a bound of the indentation.
+    fn cycle(
+        &self,
+        equations: &mut Equations<'_>,
+        bound: Option<f64>,
+    ) -> Result<AsperityCycle, SolveError> {
+        let Self {
+            bench,
+            plan,
+            critical,
+            accuracy,
+            run,
+        } = self;
+        let (plan, accuracy) = (*plan, *accuracy);
+        let mut path = Path::new(equations, bound, run)?;
         let driver = Driver::new(plan.drive, bench.units.stiffness());
-        let mut critical = None;
         let stop = match plan.turn {
             UnloadingPoint::Indentation(value) => Stop::Indentation(value / bench.units.length),
             UnloadingPoint::Force(value) => Stop::Force(value / bench.units.force()),
             UnloadingPoint::Critical(part) => {
-                let found = critical.insert(self.transition(accuracy, run)?);
+                let found = critical.as_ref().ok_or(SolveError::NoFloor)?;
                 Stop::Indentation(part * found.contact.indentation / bench.units.length)
             }
         };
@@ -235,6 +304,7 @@ impl AsperityArray {
         }
         let turned = path.places.len();
         let at_turn = path.here.settled.contacts.clone();
+        path.equations.close_floor(&at_turn);
         let turn = bench.contact_of(path.equations, &path.here, accuracy);
         let target = match plan.turn {
             UnloadingPoint::Force(_) => Aim::Load(Prescribed::Force(path.here.force)),
@@ -265,6 +335,7 @@ impl AsperityArray {
                     factors: None,
                     steps: 0,
                 };
+                path.equations.close_floor(contacts);
                 let state = path.equations.state(settled);
                 Some(bench.contact_of(path.equations, &state, accuracy))
             }
@@ -282,14 +353,16 @@ impl AsperityArray {
             touched: at_turn.discs.len(),
         });
         let mut turn = turn;
-        if let (Some(found), UnloadingPoint::Critical(part)) = (&critical, plan.turn)
+        if let (Some(found), UnloadingPoint::Critical(part)) = (critical, plan.turn)
             && part >= 1.0
         {
             turn.floor_gap = found.contact.floor_gap;
         }
         let mut errors = AsperityCycleErrors::default();
         if termination == Termination::Converged {
-            turn.error = bench.errors_of(&turn, target, run)?;
+            if bound.is_none() {
+                turn.error = bench.errors_of(&turn, target, run)?;
+            }
             errors = bench.cycle_errors(&path, lowest.as_ref().map(|(it, _)| it), accuracy, run)?;
         }
         let mut cycle = AsperityCycle {
@@ -303,7 +376,7 @@ impl AsperityArray {
             events: changes.iter().map(|change| bench.event(change)).collect(),
             first_contact: driven.places.iter().position(|place| place.touched > 0),
             zero_load_indentation: zero_load.map(|value| value * bench.units.length),
-            critical,
+            critical: critical.clone(),
             turn: turn.checked()?,
             pull_off,
             separation: separation.map(|value| value * bench.units.length),
@@ -397,6 +470,7 @@ impl Bench {
         let low = degree(accuracy);
         let coarse = &*path.equations;
         let mut fine = Equations::new(&self.layout, low + 2);
+        fine.ground = coarse.ground.clone();
         let more = |contacts: &Contacts| with_modes(contacts, mode_count(low), mode_count(low + 2));
         let mut errors = AsperityCycleErrors::default();
         if let Some(contacts) = lowest {

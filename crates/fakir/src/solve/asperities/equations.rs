@@ -6,6 +6,7 @@
 
 use super::edge::Edge;
 use super::load::{DiscLoad, FloorForces, Jet, Layout, LoadRule};
+use super::loaded_floor::LoadedFloor;
 use crate::halfspace::coupling::moving::{MovingPair, PairBlock};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue};
 use crate::numerics::dense::Matrix;
@@ -18,6 +19,8 @@ pub(crate) struct Equations<'a> {
     pub(crate) layout: &'a Layout,
     /// Forces on the floor between the tops.
     pub(crate) floor: FloorForces,
+    /// The floor between the tops, if the forces on it are part of the solution.
+    pub(crate) ground: Option<LoadedFloor>,
     pub(crate) edge: Edge,
     pub(crate) pair: MovingPair,
     pub(crate) rule: LoadRule,
@@ -47,6 +50,7 @@ impl<'a> Equations<'a> {
             rule: LoadRule::new(degree),
             grip: layout.grip,
             floor: FloorForces::default(),
+            ground: None,
             pair,
         }
     }
@@ -112,7 +116,7 @@ impl<'a> Equations<'a> {
         self.pair.fill(offset, [one.radius, two.radius], block);
     }
 
-    /// Linearises the equations at contacts that do not overlap.
+    /// Linearises the equations at contacts that do not overlap. The floor must be [closed](Self::close_floor) under these contacts.
     pub(crate) fn linearised(&mut self, contacts: &Contacts) -> Linearised {
         self.linearised_with(contacts, None)
     }
@@ -215,6 +219,7 @@ impl<'a> Equations<'a> {
                 (&mut matrix, unconstrained.as_deref_mut()),
             );
         }
+        self.linearise_floor(contacts, &mut matrix);
         Linearised { missing, matrix }
     }
 

@@ -193,15 +193,25 @@ pub(crate) struct Path<'e, 'l, 'r> {
     rule: LoadRule,
     /// Sign of the determinant of a single stable contact.
     sign: bool,
+    /// Indentation at which the first asperity is touched.
+    first: f64,
 }
 
 impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
-    /// A path that begins without contact.
+    /// A path that begins without contact. If the floor is part of the equations, it contains all indentations up to a bound.
     pub(crate) fn new(
         equations: &'e mut Equations<'l>,
+        bound: Option<f64>,
         run: &'e Run<'r>,
     ) -> Result<Self, SolveError> {
-        let untouched = equations.layout.untouched(equations.layout.first_touch());
+        let first = match bound {
+            Some(bound) => equations.first_touch(bound, run)?,
+            None => equations.layout.first_touch(),
+        };
+        let start = equations.layout.first_touch();
+        let untouched = equations
+            .layout
+            .untouched(if first.is_finite() { first } else { start });
         let sign = equations.sign_of_one(run)?;
         let rule = equations.rule.clone();
         let here = equations.state(Settled {
@@ -221,14 +231,25 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             stride: STRIDE,
             rule,
             sign,
+            first,
         })
+    }
+
+    /// A path from a state on.
+    pub(crate) fn from(
+        equations: &'e mut Equations<'l>,
+        here: Here,
+        run: &'e Run<'r>,
+    ) -> Result<Self, SolveError> {
+        let path = Self::new(equations, None, run)?;
+        Ok(Self { here, ..path })
     }
 
     /// Follows a branch to its end.
     pub(crate) fn follow(&mut self, branch: Branch, stop: Stop) -> Result<(), Ended> {
         self.branch = branch;
         self.stride = STRIDE;
-        let first = self.equations.layout.first_touch();
+        let first = self.first;
         if self.here.settled.contacts.discs.is_empty() {
             if branch == Branch::Unloading {
                 return Ok(());
@@ -236,9 +257,16 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             if let Stop::Indentation(end) = stop
                 && end < first
             {
-                self.here.settled.contacts = self.equations.layout.untouched(end);
+                self.here = self.apart(end)?;
                 self.mark(None);
                 return Ok(());
+            }
+            self.here = self.apart(self.here.settled.contacts.indentation)?;
+            let is_beyond = stop.beyond(&self.here).is_some_and(|beyond| beyond >= 0.0);
+            let on_floor = self.equations.force_on_floor() > 0.0;
+            if first.is_infinite() || (on_floor && is_beyond) {
+                // The floor alone carries the load.
+                return Err(Ended::Trouble(Trouble::Unsettled));
             }
             self.mark(None);
             self.snap_in()?;
@@ -281,9 +309,24 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     }
 
     /// Elastic energy less the work of adhesion of all contacts.
-    fn energy(&self) -> f64 {
-        self.equations
-            .energy(&self.here.settled.contacts, &self.rule)
+    fn energy(&mut self) -> f64 {
+        let contacts = &self.here.settled.contacts;
+        // The last floor may be that of an attempt.
+        self.equations.close_floor(contacts);
+        self.equations.energy(contacts, &self.rule)
+    }
+
+    /// The state without contacts at an indentation.
+    fn apart(&mut self, indentation: f64) -> Result<Here, Ended> {
+        let untouched = self.equations.layout.untouched(indentation);
+        if self.equations.ground.is_none() {
+            return Ok(self.equations.state(Settled {
+                contacts: untouched,
+                factors: None,
+                steps: 0,
+            }));
+        }
+        self.at(&untouched, Aim::Load(Prescribed::Indentation(indentation)))
     }
 
     /// The state with the same contacts at this value of the measure.
@@ -425,10 +468,14 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     /// Above all asperities, after the last contact was lost.
     fn step_without_contact(&mut self, stop: Stop) -> Result<bool, Ended> {
         if self.branch == Branch::Unloading {
-            return Ok(true);
+            return match self.here.force > 0.0 {
+                // The floor still carries load.
+                true => Err(Ended::Trouble(Trouble::Unsettled)),
+                false => Ok(true),
+            };
         }
         // A contact that was lost during loading begins again where its asperity is touched.
-        let first = self.equations.layout.first_touch();
+        let first = self.first;
         let here = self.here.settled.contacts.indentation;
         if let Stop::Indentation(end) = stop
             && (end < first || here >= end)
@@ -438,7 +485,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         if here > first {
             return Err(Ended::Trouble(Trouble::Unsettled));
         }
-        self.here.settled.contacts = self.equations.layout.untouched(first);
+        self.here = self.apart(first)?;
         self.snap_in().map(|()| false)
     }
 
@@ -617,7 +664,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     }
 
     /// Adds contacts until no asperity overlaps with the lens.
-    fn touch_all(&mut self, least: f64) -> Result<(), Ended> {
+    pub(super) fn touch_all(&mut self, least: f64) -> Result<(), Ended> {
         let mut least = least;
         loop {
             let contacts = &self.here.settled.contacts;
@@ -679,11 +726,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             let lost = &order[..count];
             let rest = self.equations.without(&old, lost);
             if rest.discs.is_empty() {
-                break self.equations.state(Settled {
-                    contacts: self.equations.layout.untouched(indentation),
-                    factors: None,
-                    steps: 0,
-                });
+                break self.apart(indentation)?;
             }
             let aim = Aim::Load(Prescribed::Indentation(indentation));
             match self.at(&rest, aim) {
@@ -876,14 +919,13 @@ impl Equations<'_> {
         let rates = match &settled.factors {
             Some(factors) if !contacts.discs.is_empty() => {
                 let lowering = self.lowering(factors, contacts.moments.len());
-                let [row, _] = self.rows_of_totals(contacts);
                 let discs = contacts.discs.iter().enumerate();
                 let fastest = discs
                     .filter(|(_, disc)| disc.hold != Hold::Whole)
                     .map(|(k, disc)| (k, lowering[k * modes + 2] / disc.radius))
                     .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
                 Rates {
-                    stiffness: dot(&row, &lowering),
+                    stiffness: self.stiffness(contacts, &lowering),
                     negative: factors.has_negative_determinant(),
                     fastest,
                     lowering,
@@ -891,7 +933,7 @@ impl Equations<'_> {
             }
             _ => Rates {
                 lowering: Vec::new(),
-                stiffness: 0.0,
+                stiffness: self.floor_rates().map_or(0.0, |floor| floor.force),
                 negative: false,
                 fastest: None,
             },
@@ -923,7 +965,7 @@ impl Equations<'_> {
         overlaps.fold(0.0, f64::max)
     }
 
-    /// Elastic energy less the work of adhesion of all contacts, in units of modulus and length.
+    /// Elastic energy less the work of adhesion of all contacts, in units of modulus and length. The floor must be closed under these contacts.
     pub(crate) fn energy(&self, contacts: &Contacts, rule: &LoadRule) -> f64 {
         let size = self.modes();
         let mut load = rule.workspace();
@@ -938,7 +980,38 @@ impl Equations<'_> {
                 let area = PI * disc.radius * disc.radius;
                 0.5 * dot(&load.value, moments) - 0.5 * PI * disc.grip * disc.grip * area
             });
-        parts.sum()
+        let on_floor = self.ground.as_ref();
+        let on_floor = on_floor.map_or(0.0, |ground| 0.5 * ground.work(contacts.indentation));
+        parts.sum::<f64>() + on_floor
+    }
+
+    /// Indentation at which the first asperity is touched; infinite if the floor carries all of the load up to the bound.
+    fn first_touch(&mut self, bound: f64, run: &Run<'_>) -> Result<f64, SolveError> {
+        let first = self.layout.first_touch();
+        let mut overlap = |indentation: f64| {
+            let untouched = self.layout.untouched(indentation);
+            let aim = Aim::Load(Prescribed::Indentation(indentation));
+            let settled = self.settle_same(untouched, aim, run)?;
+            let overlap = settled.map(|settled| self.largest_overlap(&settled.contacts));
+            Ok::<_, SolveError>((overlap.unwrap_or(f64::NAN), self.force_on_floor()))
+        };
+        // A pressure on the floor lowers the tops.
+        let (_, force) = overlap(first)?;
+        if force <= 0.0 {
+            return Ok(first);
+        }
+        let (mut low, mut high) = (first, bound);
+        if overlap(high)?.0 < 0.0 {
+            return Ok(f64::INFINITY);
+        }
+        while high - low > LOCATED * (high - first) {
+            let middle = 0.5 * (low + high);
+            match overlap(middle)?.0 < 0.0 {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        Ok(high)
     }
 
     /// Sign of the determinant of a single stable contact.

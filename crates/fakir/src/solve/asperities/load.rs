@@ -217,7 +217,7 @@ impl FloorForces {
     }
 
     /// Subtracts their displacement from an overlap.
-    fn subtract(&self, [x, y]: Point, overlap: &mut Jet) {
+    pub(super) fn subtract(&self, [x, y]: Point, overlap: &mut Jet) {
         let (mut value, mut slope, mut bend) = (0.0, [0.0; 2], [0.0; 3]);
         for ([u, v], force) in &self.forces {
             let (dx, dy) = (x - u, y - v);
@@ -266,6 +266,11 @@ impl LoadRule {
             value: row(),
             slopes: [row(), row(), row()],
         }
+    }
+
+    /// The points on the unit disc, each with the weight times every mode.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&Point, &[f64])> {
+        self.0.rows()
     }
 
     /// Projects a function of the position over a disc.

@@ -68,9 +68,9 @@ const NEAR: f64 = 1e-6;
 
 /// First margin on layers in units of the largest penetration that is missed, largest number of times that it grows, and penetration, relative to the
 /// depth of the floor, that is neglected.
-const MARGIN: f64 = 2.0;
-const GROWTHS: usize = 8;
-const MISSED: f64 = 1e-5;
+pub(super) const MARGIN: f64 = 2.0;
+pub(super) const GROWTHS: usize = 8;
+pub(super) const MISSED: f64 = 1e-5;
 
 /// Distances, in thicknesses of the thinnest layer, at which the largest rise of the surface beside a force is searched: the first, the ratio of
 /// successive ones, and their number. At smaller distances the surface sinks.
@@ -105,24 +105,24 @@ const SAFETY: f64 = 1.5;
 const BYTES_PER_CELL: usize = 300;
 
 /// The floor among tops. Lengths are in units of the contacts.
-struct Ground<'a> {
-    bench: &'a Bench,
-    lens: &'a ShapedLens,
-    pillars: Neighbours,
-    depth: f64,
-    accuracy: Accuracy,
-    run: &'a Run<'a>,
+pub(super) struct Ground<'a> {
+    pub(super) bench: &'a Bench,
+    pub(super) lens: &'a ShapedLens,
+    pub(super) pillars: Neighbours,
+    pub(super) depth: f64,
+    pub(super) accuracy: Accuracy,
+    pub(super) run: &'a Run<'a>,
     /// Largest rise of the surface beside a unit force, on layers.
     rise: f64,
-    /// Penetration up to which cells above the lens are included, on layers.
-    margin: f64,
+    /// Penetration up to which cells above the lens are included, on layers and with adhesion.
+    pub(super) margin: f64,
 }
 
 /// The cells of a grid that the lens penetrates if the tops alone carry load.
-struct Mesh<'a> {
-    cells: Cells,
+pub(super) struct Mesh<'a> {
+    pub(super) cells: Cells,
     /// Depth of the floor below the undeformed lens at zero indentation.
-    separation: Vec<f64>,
+    pub(super) separation: Vec<f64>,
     operator: Preconditioned<'a, HalfSpace<'a>, f32>,
     /// Largest indentation for which these cells contain the contact.
     bound: f64,
@@ -130,18 +130,18 @@ struct Mesh<'a> {
 
 /// Pressures on tops and floor.
 #[derive(Clone)]
-struct Pressed {
-    contacts: Contacts,
+pub(super) struct Pressed {
+    pub(super) contacts: Contacts,
     /// Pressure on every cell.
-    pressure: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
     /// Displacement of every cell by the tops.
-    sunk: Vec<f64>,
-    force_on_tops: f64,
-    force_on_floor: f64,
+    pub(super) sunk: Vec<f64>,
+    pub(super) force_on_tops: f64,
+    pub(super) force_on_floor: f64,
     /// Duality gap of the floor.
-    energy_bound: f64,
-    termination: Termination,
-    steps: usize,
+    pub(super) energy_bound: f64,
+    pub(super) termination: Termination,
+    pub(super) steps: usize,
 }
 
 impl Pressed {
@@ -160,8 +160,13 @@ impl Pressed {
         dot(&self.pressure, &self.sunk) / self.pressure.iter().sum::<f64>()
     }
 
+    /// Fraction of the force on the floor; where the tops pull more than the floor carries, of the sum of both without sign.
     fn share(&self) -> f64 {
-        self.force_on_floor / self.force()
+        let force = self.force();
+        match force > 0.0 {
+            true => self.force_on_floor / force,
+            false => self.force_on_floor / (self.force_on_floor + self.force_on_tops.abs()),
+        }
     }
 }
 
@@ -208,11 +213,30 @@ impl Extrapolation {
 }
 
 impl<'a> Ground<'a> {
+    pub(super) fn new(
+        bench: &'a Bench,
+        lens: &'a ShapedLens,
+        pillars: Neighbours,
+        (depth, accuracy): (f64, Accuracy),
+        run: &'a Run<'a>,
+    ) -> Self {
+        Self {
+            bench,
+            lens,
+            pillars,
+            depth,
+            accuracy,
+            run,
+            rise: bench.rise(),
+            margin: 0.0,
+        }
+    }
+
     fn index(&self) -> usize {
         usize::from(self.accuracy == Accuracy::Accurate)
     }
 
-    fn equations(&self) -> Equations<'a> {
+    pub(super) fn equations(&self) -> Equations<'a> {
         Equations::new(&self.bench.layout, degree(self.accuracy))
     }
 
@@ -228,14 +252,22 @@ impl<'a> Ground<'a> {
     }
 
     /// Indentation of the first contact with a top or the floor.
-    fn first_touch(&self) -> f64 {
+    pub(super) fn first_touch(&self) -> f64 {
         self.bench.layout.first_touch().min(self.depth)
     }
 
     /// Height up to which the tops may lift the floor.
     fn lifted(&self, contacts: &Contacts) -> f64 {
-        let forces = contacts.loaded().map(|(_, moments)| moments[0]);
-        self.rise * UNIT_FORCE * forces.sum::<f64>()
+        let forces = contacts.loaded().map(|(_, moments)| moments[0].abs());
+        let by_layers = self.rise * UNIT_FORCE * forces.sum::<f64>();
+        match self.is_adhesive() {
+            true => by_layers + self.bench.layout.lifted_edges(contacts),
+            false => by_layers,
+        }
+    }
+
+    pub(super) fn is_adhesive(&self) -> bool {
+        self.bench.layout.grip > 0.0
     }
 
     /// Radius beyond which the undeformed lens is above the floor, by more than the tops may lift it.
@@ -252,17 +284,21 @@ impl<'a> Ground<'a> {
     }
 
     /// The largest penetration of floor outside of the cells, relative to the depth of the floor.
-    fn missed(&self, equations: &Equations<'_>, mesh: &Mesh<'_>, level: &Level) -> f64 {
+    pub(super) fn missed(
+        &self,
+        equations: &Equations<'_>,
+        cells: &Cells,
+        contacts: &Contacts,
+    ) -> f64 {
         let exterior = Exterior::new(equations.degree());
-        let contacts = &level.pressed.contacts;
         let tops = loaded_tops(self.bench, contacts, &exterior, 1.0, self.run);
-        let grid = mesh.cells.grid();
+        let grid = cells.grid();
         let mut is_in = vec![false; grid.cell_count()];
-        mesh.cells.indices().for_each(|index| is_in[index] = true);
+        cells.indices().for_each(|index| is_in[index] = true);
         let across = grid.columns();
         let penetration = |_: &mut (), index: usize| {
             let at = grid.centre(index % across, index / across);
-            let above = self.depth + self.lens.sag_with_brim(at) - level.indentation;
+            let above = self.depth + self.lens.sag_with_brim(at) - contacts.indentation;
             if is_in[index] || !self.is_free(at) {
                 return 0.0;
             }
@@ -306,7 +342,7 @@ impl<'a> Ground<'a> {
     }
 
     /// Side of cells of which the lens penetrates this part of the final number.
-    fn side_for(
+    pub(super) fn side_for(
         &self,
         contacts: &Contacts,
         indentation: f64,
@@ -328,7 +364,7 @@ impl<'a> Ground<'a> {
         Ok(larger(side * (count as f64 / wanted).sqrt(), smallest))
     }
 
-    fn mesh(
+    pub(super) fn mesh(
         &self,
         contacts: &Contacts,
         bound: f64,
@@ -519,12 +555,12 @@ impl<'a> Ground<'a> {
 }
 
 /// The contact on one grid.
-struct Level {
-    indentation: f64,
-    pressed: Pressed,
-    patches: Patches,
+pub(super) struct Level {
+    pub(super) indentation: f64,
+    pub(super) pressed: Pressed,
+    pub(super) patches: Patches,
     /// Area of a cell.
-    cell: f64,
+    pub(super) cell: f64,
 }
 
 impl Level {
@@ -534,11 +570,11 @@ impl Level {
 }
 
 /// Derivatives with respect to the indentation.
-struct Rates {
-    force: f64,
-    force_on_floor: f64,
-    area: f64,
-    forces: Vec<f64>,
+pub(super) struct Rates {
+    pub(super) force: f64,
+    pub(super) force_on_floor: f64,
+    pub(super) area: f64,
+    pub(super) forces: Vec<f64>,
 }
 
 impl<'a> Ground<'a> {
@@ -609,7 +645,7 @@ impl<'a> Ground<'a> {
             };
             let is_solved = level.pressed.termination == Termination::Converged;
             if self.rise > 0.0 && number < 2 && is_solved {
-                let missed = self.missed(&equations, &mesh, &level);
+                let missed = self.missed(&equations, &mesh.cells, &level.pressed.contacts);
                 if missed > MISSED && growths < GROWTHS {
                     self.margin = larger(2.0 * self.margin, MARGIN * missed * self.depth);
                     growths += 1;
@@ -700,12 +736,12 @@ impl<'a> Ground<'a> {
 }
 
 /// The contact on all grids.
-struct Solved<'a> {
-    levels: Vec<Level>,
-    of_degree: Option<Pressed>,
-    equations: Equations<'a>,
+pub(super) struct Solved<'a> {
+    pub(super) levels: Vec<Level>,
+    pub(super) of_degree: Option<Pressed>,
+    pub(super) equations: Equations<'a>,
     /// The last grid.
-    mesh: Mesh<'a>,
+    pub(super) mesh: Mesh<'a>,
 }
 
 impl Bench {
@@ -722,16 +758,14 @@ impl Bench {
         let Some(lens) = &self.layout.shape.0 else {
             return Ok(None);
         };
-        let mut ground = Ground {
-            bench: self,
-            lens,
-            pillars: Neighbours::new(bodies(self, depth).into_iter()),
-            depth,
-            accuracy: alone.accuracy,
-            run,
-            rise: self.rise(),
-            margin: 0.0,
-        };
+        let pillars = Neighbours::new(bodies(self, depth).into_iter());
+        let mut ground = Ground::new(self, lens, pillars, (depth, alone.accuracy), run);
+        if ground.is_adhesive() {
+            let followed = ground.follow(target, &alone.contacts)?;
+            return Ok(followed.and_then(|(solved, rates)| {
+                self.assemble_with_floor(&solved, rates.as_ref(), target, alone.accuracy)
+            }));
+        }
         let Some(mut solved) = ground.solve(target, &alone.contacts)? else {
             return Ok(None);
         };
@@ -866,9 +900,14 @@ impl Solved<'_> {
             }
         };
         let force = error(&Pressed::force, rates.force) + on_shape;
+        let pull_off = bench.pull_off_scale(&pressed.contacts) / bench.units.force();
+        let scale = larger(
+            larger(pressed.force().abs(), pull_off),
+            pressed.force_on_floor,
+        );
         let area = error(&Pressed::area, rates.area);
         let relative = |change: f64, value: f64| if value > 0.0 { change / value } else { 0.0 };
-        let total = pressed.force();
+        let total = pressed.force().abs();
         let of_share = (rates.force_on_floor - pressed.share() * rates.force) / total;
         // The displacement of the floor by the tops is in proportion to the forces on these, and has at least their relative error.
         let sunk = relative(on_shape, pressed.force_on_tops) * pressed.mean_sunk();
@@ -877,7 +916,7 @@ impl Solved<'_> {
         let of_area = SAFETY * (fine.floor_area() - coarse.floor_area()).abs();
         Some((
             AsperityErrors {
-                force: relative(force, total),
+                force: relative(force, scale),
                 area: relative(area, pressed.area()) + area_of_shape,
                 indentation: force / rates.force.abs(),
             },
@@ -917,16 +956,8 @@ mod tests {
         let at = |raised: f64, indentation: f64| {
             let bench = of(raised * 1e-4);
             let lens = bench.layout.shape.0.as_ref().expect("a lens");
-            let ground = Ground {
-                bench: &bench,
-                lens,
-                pillars: Neighbours::new(bodies(&bench, 0.01).into_iter()),
-                depth: 0.01,
-                accuracy: Accuracy::Default,
-                run: &run,
-                rise: 0.0,
-                margin: 0.0,
-            };
+            let pillars = Neighbours::new(bodies(&bench, 0.01).into_iter());
+            let ground = Ground::new(&bench, lens, pillars, (0.01, Accuracy::Default), &run);
             let mut equations = ground.equations();
             let untouched = bench.layout.untouched(indentation);
             let mut mesh = ground

@@ -11,7 +11,7 @@ use super::start::{PointForces, free_radius, pressed_adhesive, pressed_with_colu
 use crate::halfspace::coupling::moving::PairBlock;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::convergence::clamped;
-use crate::numerics::dense::Lu;
+use crate::numerics::dense::{Lu, Matrix};
 use crate::numerics::vector::{add_scaled, dot};
 use crate::problem::Point;
 use crate::problem::load::Prescribed;
@@ -95,7 +95,13 @@ struct Feeling {
 }
 
 impl Equations<'_> {
+    /// The whole force. That on the floor is the last one that was computed.
     pub(crate) fn force(&self, contacts: &Contacts) -> f64 {
+        self.force_on_tops(contacts) + self.force_on_floor()
+    }
+
+    /// Force on all asperities.
+    pub(crate) fn force_on_tops(&self, contacts: &Contacts) -> f64 {
         let means = contacts.moments.iter().step_by(self.modes());
         UNIT_FORCE * means.sum::<f64>()
     }
@@ -236,7 +242,11 @@ impl Equations<'_> {
                 pillars: self.layout.asperities.len(),
                 touched: contacts.discs.len(),
             });
+            if !self.close_floor(&contacts) {
+                return Ok(Err(Trouble::Unsettled));
+            }
             let (mut stepped, factors) = if contacts.discs.is_empty() {
+                self.linearise_floor(&contacts, &mut Matrix::zeros(0, 0));
                 (Stepped::default(), None)
             } else {
                 self.check_memory(&contacts, run)?;
@@ -264,11 +274,14 @@ impl Equations<'_> {
                         pair.map(|disc| contacts.discs[disc].asperity),
                     )));
                 }
-                return Ok(Ok(Settled {
-                    contacts,
-                    factors,
-                    steps: steps + 1,
-                }));
+                return Ok(match self.close_floor(&contacts) {
+                    true => Ok(Settled {
+                        contacts,
+                        factors,
+                        steps: steps + 1,
+                    }),
+                    false => Err(Trouble::Unsettled),
+                });
             }
         }
         Ok(Err(crowded.map_or(Trouble::Unsettled, Trouble::Crowded)))
@@ -298,6 +311,9 @@ impl Equations<'_> {
             self.edge
                 .reduce_row(disc, 0.0, of_area, &mut rows[1][place]);
         }
+        if let Some(floor) = self.floor_rates() {
+            add_scaled(&mut rows[0], 1.0, &floor.row);
+        }
         rows
     }
 
@@ -307,8 +323,17 @@ impl Equations<'_> {
         for mean in lowering.iter_mut().step_by(self.modes()) {
             *mean = UNIT_FORCE;
         }
+        if let Some(floor) = self.floor_rates() {
+            add_scaled(&mut lowering, -1.0, &floor.residual);
+        }
         factors.solve(&mut lowering);
         lowering
+    }
+
+    /// Change of the whole force with the indentation.
+    pub(crate) fn stiffness(&self, contacts: &Contacts, lowering: &[f64]) -> f64 {
+        let [row, _] = self.rows_of_totals(contacts);
+        dot(&row, lowering) + self.floor_rates().map_or(0.0, |floor| floor.force)
     }
 
     /// Contacts changed along a direction by this much, as the start of an iteration.
@@ -331,13 +356,14 @@ impl Equations<'_> {
             Aim::Load(Prescribed::Indentation(_)) => 0.0,
             Aim::Load(Prescribed::Force(force)) => {
                 let [row, _] = self.rows_of_totals(contacts);
-                (force - self.force(contacts) - dot(&row, &step)) / dot(&row, &lowering)
+                (force - self.force(contacts) - dot(&row, &step))
+                    / self.stiffness(contacts, &lowering)
             }
             Aim::Machine { compliance, value } => {
                 let [row, _] = self.rows_of_totals(contacts);
                 let reached =
                     contacts.indentation + compliance * (self.force(contacts) + dot(&row, &step));
-                (value - reached) / (1.0 + compliance * dot(&row, &lowering))
+                (value - reached) / (1.0 + compliance * self.stiffness(contacts, &lowering))
             }
             Aim::Radius { disc, value } => {
                 let place = disc * self.modes() + 2;

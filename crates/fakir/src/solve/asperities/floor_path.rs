@@ -1,0 +1,450 @@
+//! Rounded tops with adhesion and the floor between them in contact at the same time.
+//!
+//! The floor carries pressures only, and is [part of the equations](super::loaded_floor) of the tops. The contact depends on the path: it is
+//! [followed](super::follow) from first touch on a grid of cells, with all jumps of the tops. During a jump of a top the lens may reach the
+//! floor or leave it: the state after the jump is the equilibrium of both.
+//!
+//! The cells are those that the lens would penetrate at the largest indentation if the tops alone carried load, on their path without the floor.
+//! Tops that jump may differ from these. A margin of cells is added until the lens penetrates no other cell in the solution.
+//!
+//! # Error estimate
+//!
+//! The contact with the same tops is solved on grids with twice and half the size of the cells. If another top overlaps with the lens on the
+//! finest grid, it jumps into contact there. Errors are estimated as those without adhesion.
+
+use super::answer::{Bench, degree, with_modes};
+use super::equations::Equations;
+use super::follow::{Here, Path, Stop};
+use super::loaded_floor::LoadedFloor;
+use super::mixed::{GROWTHS, Ground, Level, MARGIN, MISSED, Mesh, Pressed, Rates, Solved};
+use super::newton::{Aim, Settled};
+use super::transition::bodies;
+use crate::halfspace::disc::basis::{UNIT_FORCE, mode_count};
+use crate::numerics::convergence::larger;
+use crate::numerics::neighbours::Neighbours;
+use crate::numerics::vector::dot;
+use crate::problem::load::Prescribed;
+use crate::solve::patches::Patches;
+use crate::state::discs::Contacts;
+use crate::state::{AsperityContact, Branch, Run, SolveError, Termination};
+
+/// Penetrated cells of the grid on which the path is followed, as a part of the number without adhesion.
+const PART: f64 = 1.0 / 16.0;
+
+/// Sizes of cells for both branches of a cycle, in units of the size of those for the loading.
+const OF_CYCLE: [f64; 2] = [1.0, 1.5];
+
+/// Largest number of times that the bound of the indentation is enlarged.
+const ENLARGED: usize = 8;
+
+/// The cells that the lens penetrates at an indentation, with a side, if these contacts alone carry load.
+pub(super) struct FloorGrid {
+    alone: Contacts,
+    pub(super) bound: f64,
+    side: f64,
+}
+
+impl FloorGrid {
+    /// The same with cells that are larger by a factor.
+    fn with_cells(&self, factor: f64) -> (&Contacts, f64, f64) {
+        (&self.alone, self.bound, factor * self.side)
+    }
+}
+
+/// A state on a grid.
+pub(super) struct OnGrid<'a> {
+    equations: Equations<'a>,
+    mesh: Mesh<'a>,
+    contacts: Contacts,
+    termination: Termination,
+    steps: usize,
+    rates: Option<Rates>,
+}
+
+impl<'a> Ground<'a> {
+    /// The contact with tops and floor on loading, with its derivatives. `alone` are the contacts with the tops alone under this load, or those at
+    /// a lower indentation. `None` if the floor carries no load.
+    pub(super) fn follow(
+        &mut self,
+        target: Prescribed,
+        alone: &Contacts,
+    ) -> Result<Option<(Solved<'a>, Option<Rates>)>, SolveError> {
+        let Some((grid, middle)) = self.grid(target, alone)? else {
+            return Ok(None);
+        };
+        self.check(&middle)?;
+        if middle.termination != Termination::Converged {
+            let levels = vec![self.level(&middle)];
+            let solved = Solved {
+                levels,
+                of_degree: None,
+                equations: middle.equations,
+                mesh: middle.mesh,
+            };
+            return Ok(Some((solved, None)));
+        }
+        let same = |part: f64| self.same_tops(target, grid.with_cells(part), &middle.contacts);
+        let (Some(coarse), Some(fine)) = (same(2.0)?, same(0.5)?) else {
+            return Ok(None);
+        };
+        if fine.equations.force_on_floor() <= 0.0 && fine.termination == Termination::Converged {
+            return Ok(None);
+        }
+        let of_degree = self.with_higher_degree(&middle)?;
+        let levels = [&coarse, &middle, &fine].map(|found| self.level(found));
+        let rates = fine.rates;
+        let solved = Solved {
+            levels: levels.into(),
+            of_degree,
+            equations: fine.equations,
+            mesh: fine.mesh,
+        };
+        Ok(Some((solved, rates)))
+    }
+
+    /// The grid on which the path is followed, with the state at its end.
+    pub(super) fn grid(
+        &mut self,
+        target: Prescribed,
+        alone: &Contacts,
+    ) -> Result<Option<(FloorGrid, OnGrid<'a>)>, SolveError> {
+        let first = self.first_touch();
+        let mut bound = match target {
+            Prescribed::Indentation(indentation) => indentation,
+            Prescribed::Force(_) => alone.indentation,
+        };
+        let mut alone = alone.clone();
+        let (mut growths, mut enlarged) = (0, 0);
+        loop {
+            if alone.indentation < bound {
+                alone = self.alone_at(bound)?;
+            }
+            let side = self.side_for(&alone, bound, PART)?;
+            let Some(found) = self.path(target, (&alone, bound, side))? else {
+                return Ok(None);
+            };
+            if found.contacts.indentation > bound && enlarged < ENLARGED {
+                bound += larger(bound - first, self.depth);
+                enlarged += 1;
+                continue;
+            }
+            if found.termination == Termination::Converged {
+                let missed = self.missed(&found.equations, &found.mesh.cells, &found.contacts);
+                if missed > MISSED && growths < GROWTHS {
+                    self.margin = larger(2.0 * self.margin, MARGIN * missed * self.depth);
+                    growths += 1;
+                    continue;
+                }
+            }
+            let grid = FloorGrid { alone, bound, side };
+            return Ok(Some((grid, found)));
+        }
+    }
+
+    /// The contacts with the tops alone at an indentation, or where their path ends before.
+    fn alone_at(&self, indentation: f64) -> Result<Contacts, SolveError> {
+        let mut equations = self.equations();
+        let mut path = Path::new(&mut equations, None, self.run)?;
+        // A path without floor may end where that with the floor does not.
+        let _ = path.follow(Branch::Loading, Stop::Indentation(indentation));
+        self.run.check_cancelled()?;
+        let mut contacts = path.here.settled.contacts;
+        contacts.indentation = indentation;
+        Ok(contacts)
+    }
+
+    /// The floor on cells of a side as part of equations; `None` without cells.
+    fn on_grid(
+        &self,
+        mut equations: Equations<'a>,
+        (alone, bound, side): (&Contacts, f64, f64),
+    ) -> Result<Option<(Equations<'a>, Mesh<'a>)>, SolveError> {
+        let Some(mesh) = self.mesh(alone, bound, side)? else {
+            return Ok(None);
+        };
+        let (count, limit) = (mesh.cells.len(), self.run.memory_limit());
+        let bytes = LoadedFloor::memory(count);
+        if bytes > limit {
+            let length = self.bench.units.length;
+            return Err(SolveError::TooManyCells {
+                cells: count,
+                bytes,
+                limit,
+                cell: side * length,
+                suggested_cell: side * length * (bytes as f64 / limit as f64).powf(0.25),
+            });
+        }
+        equations.ground = self.loaded(&mesh);
+        Ok(Some((equations, mesh)))
+    }
+
+    /// The equations on a grid and on one with larger cells, for paths up to an indentation or a force.
+    fn two_grids(
+        &mut self,
+        target: Prescribed,
+        alone: &Contacts,
+    ) -> Result<Option<[(Equations<'a>, f64); 2]>, SolveError> {
+        let Some((grid, _)) = self.grid(target, alone)? else {
+            return Ok(None);
+        };
+        let on = |factor: f64| self.on_grid(self.equations(), grid.with_cells(factor));
+        let [fine, coarse] = OF_CYCLE;
+        let (Some((fine, _)), Some((coarse, _))) = (on(fine)?, on(coarse)?) else {
+            return Ok(None);
+        };
+        Ok(Some(
+            [fine, coarse].map(|equations| (equations, grid.bound)),
+        ))
+    }
+
+    fn loaded(&self, mesh: &Mesh<'_>) -> Option<LoadedFloor> {
+        LoadedFloor::new(
+            &mesh.cells,
+            &mesh.separation,
+            self.depth,
+            &self.bench.layers,
+        )
+    }
+
+    /// The path on a grid.
+    fn path(
+        &self,
+        target: Prescribed,
+        grid: (&Contacts, f64, f64),
+    ) -> Result<Option<OnGrid<'a>>, SolveError> {
+        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid)? else {
+            return Ok(None);
+        };
+        let mut path = Path::new(&mut equations, Some(grid.1), self.run)?;
+        let stop = match target {
+            Prescribed::Indentation(indentation) => Stop::Indentation(indentation),
+            Prescribed::Force(force) => Stop::Force(force),
+        };
+        let ended = path.follow(Branch::Loading, stop).err();
+        let here = path.here;
+        let termination = match ended {
+            None => Termination::Converged,
+            Some(ended) => (self.bench).ended(ended, &here.settled.contacts, here.force)?,
+        };
+        equations.close_floor(&here.settled.contacts);
+        Ok(Some(OnGrid {
+            contacts: here.settled.contacts.clone(),
+            steps: here.settled.steps,
+            rates: None,
+            termination,
+            equations,
+            mesh,
+        }))
+    }
+
+    /// The contact with the same tops on another grid, and with those that overlap with the lens on it.
+    fn same_tops(
+        &self,
+        target: Prescribed,
+        grid: (&Contacts, f64, f64),
+        contacts: &Contacts,
+    ) -> Result<Option<OnGrid<'a>>, SolveError> {
+        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid)? else {
+            return Ok(None);
+        };
+        let aim = Aim::Load(target);
+        let settled = equations.settle_same(contacts.clone(), aim, self.run)?;
+        let mut termination = Termination::Converged;
+        let (here, steps) = match settled {
+            Ok(settled) => {
+                let steps = settled.steps;
+                let here = equations.state(settled);
+                let mut path = Path::from(&mut equations, here, self.run)?;
+                if path.touch_all(0.0).is_err() {
+                    termination = Termination::Stagnated;
+                }
+                (path.here, steps)
+            }
+            Err(_) => {
+                termination = Termination::Stagnated;
+                equations.close_floor(contacts);
+                let settled = Settled {
+                    contacts: contacts.clone(),
+                    factors: None,
+                    steps: 0,
+                };
+                (equations.state(settled), 0)
+            }
+        };
+        let is_solved = termination == Termination::Converged;
+        let rates = is_solved.then(|| rates(&equations, &here));
+        Ok(Some(OnGrid {
+            contacts: here.settled.contacts,
+            termination,
+            steps,
+            rates,
+            equations,
+            mesh,
+        }))
+    }
+
+    /// The same contact with a pressure of higher degree on the tops.
+    fn with_higher_degree(&self, middle: &OnGrid<'_>) -> Result<Option<Pressed>, SolveError> {
+        let low = degree(self.accuracy);
+        let mut fine = Equations::new(&self.bench.layout, low + 2);
+        fine.ground = self.loaded(&middle.mesh);
+        let start = with_modes(&middle.contacts, mode_count(low), fine.modes());
+        // The differences of all results are those at the same indentation.
+        let aim = Aim::Load(Prescribed::Indentation(middle.contacts.indentation));
+        let settled = fine.settle_same(start, aim, self.run)?.ok();
+        Ok(settled.map(|settled| pressed(&fine, settled.contacts, &middle.mesh)))
+    }
+
+    fn level(&self, found: &OnGrid<'_>) -> Level {
+        let pressed = Pressed {
+            termination: found.termination,
+            steps: found.steps,
+            ..pressed(&found.equations, found.contacts.clone(), &found.mesh)
+        };
+        let loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
+        Level {
+            indentation: found.contacts.indentation,
+            patches: Patches::of(&found.mesh.cells, loaded, &self.pillars),
+            cell: found.mesh.cells.grid().cell_area(),
+            pressed,
+        }
+    }
+
+    /// Refuses contacts that reach too far.
+    fn check(&self, found: &OnGrid<'a>) -> Result<(), SolveError> {
+        let mut equations = self.equations();
+        equations.floor = found.equations.floor.clone();
+        self.bench.check(&mut equations, &found.contacts)?;
+        let radius = self.level(found).patches.radius;
+        if radius > self.lens.largest_contact() {
+            let length = self.bench.units.length;
+            return Err(SolveError::beyond(self.lens, radius, length));
+        }
+        Ok(())
+    }
+}
+
+impl Bench {
+    /// The equations of tops and floor, at this depth (m), on two grids, for a cycle whose end of loading on the tops alone is known; with the
+    /// largest indentation on the grid. `None` if the lens penetrates no cell.
+    pub(super) fn grids<'a>(
+        &'a self,
+        target: Prescribed,
+        alone: &AsperityContact,
+        depth: f64,
+        run: &'a Run<'a>,
+    ) -> Result<Option<[(Equations<'a>, f64); 2]>, SolveError> {
+        let Some(lens) = &self.layout.shape.0 else {
+            return Ok(None);
+        };
+        let depth = depth / self.units.length;
+        let pillars = Neighbours::new(bodies(self, depth).into_iter());
+        let mut ground = Ground::new(self, lens, pillars, (depth, alone.accuracy), run);
+        ground.two_grids(target, &alone.contacts)
+    }
+}
+
+/// Tops and floor of a solution.
+fn pressed(equations: &Equations<'_>, contacts: Contacts, mesh: &Mesh<'_>) -> Pressed {
+    let area = mesh.cells.grid().cell_area();
+    let (forces, sunk) = equations
+        .ground
+        .as_ref()
+        .map_or((&[][..], &[][..]), |ground| {
+            (ground.forces(), ground.sunk())
+        });
+    Pressed {
+        pressure: forces.iter().map(|force| force / area).collect(),
+        sunk: sunk.to_vec(),
+        force_on_tops: equations.force_on_tops(&contacts),
+        force_on_floor: equations.force_on_floor(),
+        contacts,
+        energy_bound: 0.0,
+        termination: Termination::Converged,
+        steps: 0,
+    }
+}
+
+/// Derivatives of a solution with respect to the indentation.
+fn rates(equations: &Equations<'_>, here: &Here) -> Rates {
+    let (contacts, lowering) = (&here.settled.contacts, &here.rates.lowering);
+    if lowering.is_empty() {
+        let floor = equations.floor_rates();
+        return Rates {
+            force: floor.map_or(0.0, |floor| floor.force),
+            force_on_floor: floor.map_or(0.0, |floor| floor.force),
+            area: 0.0,
+            forces: vec![0.0; equations.layout.asperities.len()],
+        };
+    }
+    let [_, area] = equations.rows_of_totals(contacts);
+    let size = equations.modes();
+    let mut forces = vec![0.0; equations.layout.asperities.len()];
+    let mut row = vec![0.0; size];
+    for (disc, step) in contacts.discs.iter().zip(lowering.chunks_exact(size)) {
+        equations.edge.reduce_row(disc, UNIT_FORCE, 0.0, &mut row);
+        forces[disc.asperity] = dot(&row, step);
+    }
+    Rates {
+        force: here.rates.stiffness,
+        force_on_floor: here.rates.stiffness - forces.iter().sum::<f64>(),
+        area: dot(&area, lowering),
+        forces,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::{
+        Accuracy, Adhesion, Asperity, AsperityArray, LensShape, Material, ShapedLens,
+    };
+
+    /// The force is the derivative of the energy, and the stiffness that of the force, on one grid: the contacts end within the tops, where
+    /// the energy is stationary with respect to their radii. Steps are so small that no cell comes into contact.
+    #[test]
+    fn the_force_is_the_derivative_of_the_energy() {
+        let run = Run::default();
+        let rubber = Material::new(1.0, 0.0);
+        let shape = LensShape::Paraboloid { radius: 1e-3 };
+        let lens = ShapedLens::new(shape, Material::new(1e300, 0.0));
+        let top = |at: [f64; 2]| Asperity {
+            rim_radius: Some(18e-6),
+            ..Asperity::new(at, 1e-4)
+        };
+        let tops = vec![top([16e-6, 0.0]), top([-24e-6, 4e-6])];
+        let array = AsperityArray::new(lens.into(), rubber, tops).expect("an array");
+        let array = array.with_adhesion(Adhesion::new(1e-9)).expect("a work");
+        let bench = Bench::new(&array);
+        let lens = bench.layout.shape.0.as_ref().expect("a lens");
+        let depth = 0.01;
+        let pillars = Neighbours::new(bodies(&bench, depth).into_iter());
+        let ground = Ground::new(&bench, lens, pillars, (depth, Accuracy::Default), &run);
+        let indentation = 0.022;
+        let alone = ground.alone_at(indentation).expect("contacts");
+        let grid = (&alone, 1.01 * indentation, 0.02);
+        let target = Prescribed::Indentation(indentation);
+        let mut found = ground.path(target, grid).expect("a path").expect("cells");
+        assert_eq!(found.termination, Termination::Converged);
+        let step = 1e-6;
+        let rule = found.equations.rule.clone();
+        let mut at = |indentation: f64| {
+            let aim = Aim::Load(Prescribed::Indentation(indentation));
+            let start = found.contacts.clone();
+            let settled = found.equations.settle_same(start, aim, &run);
+            let here = settled.expect("no interruption").ok().expect("a state");
+            let here = found.equations.state(here);
+            let energy = found.equations.energy(&here.settled.contacts, &rule);
+            let share = found.equations.force_on_floor() / here.force;
+            [energy, here.force, here.rates.stiffness, share]
+        };
+        let [low, middle, high] = [-step, 0.0, step].map(|by| at(indentation + by));
+        let slope = |k: usize| (high[k] - low[k]) / (2.0 * step);
+        let of_energy = slope(0) / middle[1] - 1.0;
+        let of_force = slope(1) / middle[2] - 1.0;
+        println!("{of_energy:e} {of_force:e}, share {}", middle[3]);
+        assert!(middle[3] > 0.1 && middle[3] < 0.9);
+        assert!(of_energy.abs() < 2e-3, "{of_energy:e}");
+        assert!(of_force.abs() < 1e-6, "{of_force:e}");
+    }
+}
