@@ -178,7 +178,7 @@ impl AsperityArray {
     ///
     /// A contact begins where an asperity touches the lens, and ends where its equilibrium becomes unstable.
     ///
-    /// If the lens reaches the floor before unloading, the floor is [part of the equations](super::loaded_floor): it carries pressures, and
+    /// If the lens reaches the floor before unloading, the floor is part of the equations: it carries pressures, and
     /// detaches without a jump of its own. The cycle is then computed on two grids of cells, whose difference is part of the errors.
     ///
     /// ```

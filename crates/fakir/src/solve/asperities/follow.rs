@@ -195,6 +195,8 @@ pub(crate) struct Path<'e, 'l, 'r> {
     sign: bool,
     /// Indentation at which the first asperity is touched.
     first: f64,
+    /// Unit of steps of the indentation while all contacts fill their tops, if that is larger than the overlap of an adhesive contact.
+    pub(crate) extent: f64,
 }
 
 impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
@@ -232,6 +234,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             rule,
             sign,
             first,
+            extent: 0.0,
         })
     }
 
@@ -369,7 +372,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
                 (measure, change, false)
             }
             fastest => {
-                let scale = self.equations.adhesive_overlap();
+                let scale = self.equations.adhesive_overlap().max(self.extent);
                 let most = if fastest.is_some() {
                     f64::INFINITY
                 } else {
