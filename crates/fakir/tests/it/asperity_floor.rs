@@ -77,6 +77,21 @@ fn three_full_tops_and_the_floor_are_those_of_coarse_boundary_elements() {
     check_with_boundary_elements(&array, Load::Force(force), 32, 0.2);
 }
 
+/// Tops as far from the axis as the lens would touch the floor.
+#[test]
+fn the_floor_among_tops_is_that_of_coarse_boundary_elements() {
+    let places = [
+        [0.0, 0.0],
+        [42.0, 0.0],
+        [-42.0, 0.0],
+        [0.0, 42.0],
+        [0.0, -42.0],
+    ];
+    let tops = places.map(|at| (at, 6.0, 0.0));
+    let load = Load::Indentation(2.5 * UM);
+    check_with_boundary_elements(&array(1.0, &tops), load, 32, 0.1);
+}
+
 const WIDE: [Top; 3] = [
     ([9.0, 4.0], 16.0, 0.0),
     ([-24.0, 0.0], 15.0, 0.2),

@@ -9,7 +9,7 @@
 //! so that these differences may be small by accident: the difference between the two requested sizes is added to them.
 
 use super::surface_level::check_fields;
-use crate::numerics::convergence::larger;
+use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{
     Asperity, AsperityArray, Boundary, Floor, Grid, HeightMap, Layer, Load, PillarColumns, Point,
     SurfaceSystem,
@@ -19,6 +19,9 @@ use crate::state::{AsperityContact, ErrorEstimate, FloorErrors, Run, SolveError,
 
 /// Part of the distance past first touch by which tops may be entered beyond the expected indentation, to be on the grid.
 const MARGIN: f64 = 0.05;
+
+/// Distance in units of that of the farthest top at which no top is near the border: in the outer eighth on every side of the surface.
+const BEYOND_TOPS: f64 = 1.25;
 
 /// Extent of the grid in units of the farthest part of the expected contact.
 const AROUND: f64 = 1.1;
@@ -74,10 +77,20 @@ impl Map<'_> {
         let discs = states
             .filter(|state| state.radius > 0.0)
             .map(|state| state.centre[0].hypot(state.centre[1]) + state.radius);
-        // At the border of the grid, the undeformed lens must be above the floor.
+        // At the border of the grid, the undeformed lens must be above the floor, and above the tops that are near the border.
         let lens = self.array.indenter().lens();
-        let floor = lens.and_then(|lens| lens.distance_of_rise(bound - self.depth));
-        tops.chain(discs).chain(floor).fold(0.0, larger)
+        let rise = |rise: f64| lens.and_then(|lens| lens.distance_of_rise(rise));
+        let floor = rise(bound - self.depth);
+        let all = self.array.asperities().iter().map(|asperity| {
+            let height = larger(self.depth + asperity.raised, 0.0);
+            let body = (2.0 * asperity.top_radius * height).sqrt();
+            let rim = asperity.rim_radius.unwrap_or(f64::INFINITY);
+            asperity.apex[0].hypot(asperity.apex[1]) + smaller(body, rim)
+        });
+        let beyond_tops = BEYOND_TOPS * all.fold(0.0, larger);
+        let above_tops = rise(bound + self.array.highest()).unwrap_or(f64::INFINITY);
+        let reach = tops.chain(discs).chain(floor).fold(0.0, larger);
+        larger(reach, smaller(beyond_tops, above_tops))
     }
 
     /// Mean radius of the contacts with tops, weighted with their forces; that of the floor if no top is touched, m.
