@@ -453,6 +453,58 @@ fn a_single_top_is_filled_up_to_its_rim_and_left_again() {
     );
 }
 
+/// Rows of five tops with rims (lengths in um, `E* = 1`), each row by `step` lower than the one before, as under a tilted plate.
+fn rows_with_rims(pitch: f64, step: f64, (radius, rim, work): (f64, f64, f64)) -> AsperityArray {
+    let tops = (0..25u32).map(|k| {
+        let [row, column] = [k / 5, k % 5].map(f64::from);
+        let height = -step * (row + 0.02 * column);
+        let place = [pitch * row * UM, pitch * column * UM];
+        Asperity {
+            rim_radius: Some(rim * UM),
+            ..Asperity::new(place, radius * UM).raised_by(height * UM)
+        }
+    });
+    let array = AsperityArray::new(Indenter::Flat(None), substrate(), tops.collect());
+    let array = array.expect("an array");
+    array
+        .with_adhesion(Adhesion::new(work * UM))
+        .expect("a work of adhesion")
+}
+
+/// On unloading one top leaves its rim while another is lost. The work of the cycle is dissipated, every top is released, and the pull-off force
+/// is at most that of 25 tops alone, `3/2 pi w R` each (Johnson, Kendall and Roberts).
+#[test]
+fn tops_leave_their_rims_while_others_are_lost() {
+    let (radius, rim, work) = (39.5, 6.58, 0.0945);
+    for step in [0.01, 0.0375, 0.08] {
+        let array = rows_with_rims(30.6, step, (radius, rim, work));
+        let found = cycle(&array, up_to(1.5), LoadingMode::Displacement);
+        let balance = found.certificate().expect("closed");
+        let force = found.pull_off.as_ref().expect("tension").force;
+        println!("{step}: balance {balance:e}, pull-off {force:e}");
+        assert!(balance < 1e-3, "{step}: {balance}");
+        assert_eq!(found.events.len(), 50);
+        assert!(-force < 25.0 * 1.5 * PI * work * radius * UM * UM);
+    }
+}
+
+/// The contact of a top that nearly fills it, found although it is nearer to the rim than the start of the iteration.
+#[test]
+fn contacts_that_nearly_fill_their_tops_are_found() {
+    // The contact of an isolated top without load has a radius between 0.98 and 1.005 of that of the rim: (9 pi w R^2/(2 E*))^(1/3) (Johnson,
+    // Kendall and Roberts, with E* = 1).
+    let (radius, rim) = (35.5, 5.914);
+    for part in [0.98, 0.99, 0.995, 0.999, 1.005] {
+        let b: f64 = part * rim;
+        let work = b.powi(3) * 2.0 / (9.0 * PI * radius * radius);
+        let array = rows_with_rims(31.4, 0.094, (radius, rim, work));
+        let contact = press(&array, Load::Indentation(0.5 * UM));
+        assert_eq!(contact.asperities.len(), 25);
+        let back = press(&array, Load::Force(contact.force));
+        close(back.indentation, contact.indentation, 1e-7);
+    }
+}
+
 #[test]
 fn cycles_without_adhesion_or_end_are_refused() {
     let plain = array(f64::INFINITY, 0.0, &[([0.0, 0.0], 100.0, 0.0)]);

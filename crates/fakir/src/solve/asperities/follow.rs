@@ -411,9 +411,18 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             Err(error) => return Err(error),
         };
         let alike = next.is_held_as(&self.here);
+        // Contacts that become unstable together may leave the sign of the determinant.
+        let turns = match measure {
+            Measure::Radius(disc) => {
+                let place = disc * modes + 2;
+                let rates = [&self.here, &next].map(|here| here.rates.lowering[place]);
+                rates[0].signum() != rates[1].signum()
+            }
+            Measure::Indentation => false,
+        };
         let here = self.here.settled.contacts.indentation;
         let back = direction * (next.settled.contacts.indentation - here) < 0.0;
-        if !alike && back {
+        if !alike && (back || turns) {
             // A contact that reaches or leaves its rim while another is lost: the step is repeated with half its length.
             self.stride *= 0.5;
             if self.stride > SHORTEST {
@@ -427,15 +436,6 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             measure,
             next,
             end: if last { Event::End } else { Event::None },
-        };
-        // Contacts that become unstable together may leave the sign of the determinant.
-        let turns = match measure {
-            Measure::Radius(disc) => {
-                let place = disc * modes + 2;
-                let rates = [&self.here, &step.next].map(|here| here.rates.lowering[place]);
-                rates[0].signum() != rates[1].signum()
-            }
-            Measure::Indentation => false,
         };
         let unstable = step.next.rates.negative != self.here.rates.negative;
         if alike && (unstable || turns || back) {

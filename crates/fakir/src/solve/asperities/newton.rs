@@ -40,8 +40,9 @@ const NOTHING: f64 = 1e-13;
 /// Radius of the disc on which the far field at an untouched asperity is evaluated, as a fraction of the largest radius.
 const FEELER: f64 = 1e-3;
 
-/// Initial radius of a contact that no longer fills its top, as a fraction of the radius of the top.
-const LOOSENED: f64 = 0.97;
+/// Distance from the rim of a contact that no longer fills its top, as a fraction of the radius of the top. It is halved every second step:
+/// if the contact reaches the rim again from there, its radius is larger.
+const LOOSENED: f64 = 0.03;
 
 /// Contacts that satisfy all conditions.
 pub(crate) struct Settled {
@@ -250,7 +251,8 @@ impl Equations<'_> {
                 (Stepped::default(), None)
             } else {
                 self.check_memory(&contacts, run)?;
-                let (stepped, factors) = self.step(&mut contacts, aim);
+                let loosened = LOOSENED * 0.5f64.powi(steps as i32 / 2);
+                let (stepped, factors) = self.step(&mut contacts, aim, loosened);
                 (stepped, Some(factors))
             };
             if !stepped.change.is_finite() || !contacts.indentation.is_finite() {
@@ -341,12 +343,12 @@ impl Equations<'_> {
         let mut next = contacts.clone();
         let step: Vec<f64> = along.iter().map(|value| part * value).collect();
         next.indentation += part;
-        self.apply(&mut next, &step);
+        self.apply(&mut next, &step, LOOSENED);
         next
     }
 
-    /// Performs one step of Newton's method.
-    fn step(&mut self, contacts: &mut Contacts, aim: Aim) -> (Stepped, Lu) {
+    /// Performs one step of Newton's method. A contact that no longer fills its top is reduced by the fraction `loosened` of its radius.
+    fn step(&mut self, contacts: &mut Contacts, aim: Aim, loosened: f64) -> (Stepped, Lu) {
         let linearised = self.linearised(contacts);
         let factors = Lu::new(linearised.matrix);
         let mut step: Vec<f64> = linearised.missing.iter().map(|x| -x).collect();
@@ -372,10 +374,10 @@ impl Equations<'_> {
         };
         add_scaled(&mut step, lower, &lowering);
         contacts.indentation += lower;
-        (self.apply(contacts, &step), factors)
+        (self.apply(contacts, &step, loosened), factors)
     }
 
-    fn apply(&self, contacts: &mut Contacts, step: &[f64]) -> Stepped {
+    fn apply(&self, contacts: &mut Contacts, step: &[f64], loosened: f64) -> Stepped {
         let size = self.modes();
         let largest = contacts.largest_radius();
         let square = largest * largest;
@@ -399,7 +401,7 @@ impl Equations<'_> {
                     *moment += change;
                     stepped.change = stepped.change.max(change.abs() / (TOLERANCE * most));
                 }
-                stepped.changed |= self.loosen(disc, moments);
+                stepped.changed |= self.loosen(disc, moments, loosened);
                 continue;
             }
             let radius = disc.radius;
@@ -464,14 +466,14 @@ impl Equations<'_> {
     }
 
     /// Detaches a contact that fills its top from the rim where its edge would be in tension. Returns whether it was changed.
-    fn loosen(&self, disc: &mut Disc, moments: &mut [f64]) -> bool {
+    fn loosen(&self, disc: &mut Disc, moments: &mut [f64], loosened: f64) -> bool {
         let [mean, x, y] = self.edge.excess(disc, moments);
         let uneven = x.hypot(y);
         let scale = moments[0].abs();
         if LEANING * mean - uneven >= -1e-12 * scale {
             return false;
         }
-        disc.radius *= LOOSENED;
+        disc.radius *= 1.0 - loosened;
         if mean <= 0.0 {
             disc.hold = Hold::Free;
         } else {
