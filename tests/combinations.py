@@ -328,6 +328,12 @@ def numbers_of(answer: dict[str, Any]) -> dict[str, float]:
     return numbers
 
 
+def error_of_cycle(answer: dict[str, Any], name: str) -> float:
+    """Relative error of a number of a cycle: with flat tops it has several parts, of which the numerical one is used."""
+    error = (answer.get("relative_error_estimate") or {}).get(name)
+    return (error.get("numerical") if isinstance(error, dict) else error) or 0.0
+
+
 class Checks:
     """All computations for one cell."""
 
@@ -368,18 +374,13 @@ class Checks:
 
     def cycles(self, check: str, one: dict[str, Any], other: dict[str, Any], factors: tuple[float, float]) -> None:
         """Two cycles: pull-off force and hysteresis."""
-
-        def error(answer: dict[str, Any], name: str) -> float:
-            of = (answer.get("relative_error_estimate") or {}).get(name)
-            return of.get("numerical") or 0.0 if isinstance(of, dict) else 0.0
-
         force, length = factors
         for key, name, factor in (
             ("pull_off_force_N", "pull_off_force", force),
             ("hysteresis_J", "hysteresis", force * length),
         ):
             if one.get(key) is not None and other.get(key) is not None:
-                allowed = error(one, name) + error(other, name)
+                allowed = error_of_cycle(one, name) + error_of_cycle(other, name)
                 self.compare(f"{check}, {name}", one[key] * factor, other[key], allowed)
 
     def examine(self) -> str:
@@ -407,7 +408,7 @@ class Checks:
                 continue
             compare(check, first, last_of(answer) if compare_last else answer, factors)
         if case.question == "cycle" and first.get("dissipation_J") and first.get("hysteresis_J"):
-            allowed = 1e-3 + ((first.get("relative_error_estimate") or {}).get("hysteresis") or {}).get("numerical", 0.0)
+            allowed = 1e-3 + error_of_cycle(first, "hysteresis")
             self.compare("energy balance", first["hysteresis_J"], first["dissipation_J"], allowed)
         if case.question == "press" and first.get("force_N", 0) > 0 and not case.physics.startswith("adhesive"):
             back = self.answer(case, {"force": first["force_N"]})
