@@ -180,6 +180,14 @@ impl AsperityCase {
         setting.map(|(_, value)| value.clone())
     }
 
+    /// The value of a key; none if it was not given.
+    #[must_use]
+    pub fn setting(&self, key: Key) -> Option<Setting> {
+        let written = self.value(key)?;
+        let number = self.given_number(key).map(Setting::Number);
+        Some(number.unwrap_or_else(|| Setting::Word(written.trim_matches('"').to_owned())))
+    }
+
     /// Finite number of a key, in SI units; `None` if the key was not given. The pitch of a lattice has a number also if its surface
     /// fraction was given.
     #[must_use]

@@ -260,6 +260,17 @@ impl CaseFile {
         }
     }
 
+    /// The value given for a key: a number in SI units, or a word; `None` if neither is given.
+    #[must_use]
+    pub fn setting(&self, key: Key) -> Option<Setting> {
+        match (self.given(key), &self.entry(key)?.value) {
+            (Ok(Some(number)), _) => Some(Setting::Number(number)),
+            (_, Value::Text(word)) => Some(Setting::Word(word.clone())),
+            (_, Value::Flag(flag)) => Some(Setting::Word(flag.to_string())),
+            _ => None,
+        }
+    }
+
     /// Sets a list of numbers in SI units.
     pub fn set_list(&mut self, key: Key, values: &[f64]) {
         let entry = Entry::of_list("a list that was set", key, values);

@@ -365,7 +365,7 @@ impl Key {
     }
 
     /// The keys on which it depends, with the words of each with which it is accepted.
-    pub(crate) fn choices(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
+    pub fn choices(self) -> impl Iterator<Item = (Self, &'static [&'static str])> {
         let row = self.row();
         row.goes_with.into_iter().chain(row.goes_also_with)
     }

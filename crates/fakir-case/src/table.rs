@@ -239,7 +239,7 @@ keys! {
                 .range(Range::Whole(0, 1 << f64::MANTISSA_DIGITS)).optional().with(Key::Lattice, PLANE_LATTICES)
                 .unwritten(|p| p.pattern.arrangement.is_plain());
         TopRadius = "pattern.top_radius" is
-            length("radius of curvature of rounded pillar tops, which then need no diameter; not supported by fakir theory, compare and explore", |p| &mut p.pattern.top_radius)
+            length("radius of curvature of rounded pillar tops, which then need no diameter; not supported by fakir theory and compare", |p| &mut p.pattern.top_radius)
                 .label("top radius").positive().otherwise("tops are flat").of(Quantity::TopRadius)
                 .unwritten(|_| true);
         PillarDiameter = "pattern.pillar.diameter" is

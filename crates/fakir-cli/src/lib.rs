@@ -289,7 +289,7 @@ fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
 
 /// The initial case: that of a file, or the one that `fakir init` writes.
 #[cfg(feature = "explore")]
-fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
+fn explored_case(options: &arguments::Explore) -> Result<AnyCase, Failure> {
     let file = match &options.case {
         Some(path) => case_file(path, &options.set)?,
         None => {
@@ -300,5 +300,5 @@ fn explored_case(options: &arguments::Explore) -> Result<Case, Failure> {
             file
         }
     };
-    Ok(*pattern(&file, Question::Explore)?)
+    Ok(file.any_case(&[Question::Explore])?)
 }

@@ -5,7 +5,7 @@ import { drawMap } from "./map.js";
 import { digitsFor, editable, engineeringText, radiusDigits, significant, write } from "./numbers.js";
 import { byId } from "./screen.js";
 import { sectionInto } from "./section.js";
-import { isAdhesive, isBusy, isOlder, withSpacing } from "./store.js";
+import { isCycle, isBusy, isOlder, withSpacing } from "./store.js";
 
 /**
  * @import { Key, Value } from "./engine.js"
@@ -41,7 +41,7 @@ export function compare(store) {
 function isComplete(state) {
   const { answered, question, refusal } = state;
   if (isBusy(state)) return false;
-  if (refusal !== null || isAdhesive(question.case)) return true;
+  if (refusal !== null || isCycle(question.case)) return true;
   return answered.phase?.of.name === question.name;
 }
 
@@ -115,7 +115,7 @@ export function drawComparison(state) {
  * @returns {string}
  */
 function valueWords(key, value) {
-  if (value === null || value === "") return key.infinite ? "infinite" : "–";
+  if (value === null || value === "") return key.infinite ?? "–";
   return typeof value === "number" && key.dimension !== null ? editable(value, key.dimension) : String(value);
 }
 
@@ -130,7 +130,7 @@ function quantities(state) {
   /** @type {(error: number | null | undefined) => number} */
   const digits = (error) => digitsFor(error ?? null);
   const station = stationShown(state);
-  const summary = station ?? (isAdhesive(state.chosen.case) ? null : (state.solved?.is.summary ?? null));
+  const summary = station ?? (isCycle(state.chosen.case) ? null : (state.solved?.is.summary ?? null));
   const cycle = state.cycle?.is.solved?.summary ?? null;
   const floor = state.solved?.is.summary.floor ?? null;
   /** @type {(name: string, dimension: Dimension, value: number | null | undefined, digits: number) => Quantity} */

@@ -1,7 +1,7 @@
 // The input controls of a case: a field with unit and a slider for each quantity, and error messages.
 
 import { editable, engineeringText, parse, unitOf, withUnit } from "./numbers.js";
-import { FRACTION, PITCH, RECEDING, isAdhesive, ADHESIVE_FLOOR, WORK, withSpacing } from "./store.js";
+import { FRACTION, PITCH, RECEDING, isCycle, isFlat, isRounded, ADHESIVE_FLOOR, WORK, withSpacing } from "./store.js";
 
 /**
  * @import { Key, Value, Values } from "./engine.js"
@@ -16,7 +16,7 @@ import { FRACTION, PITCH, RECEDING, isAdhesive, ADHESIVE_FLOOR, WORK, withSpacin
 const DEGREE = Math.PI / 180;
 
 /** Tables of the case file that come first on the page; the others follow in their order. */
-const FIRST_TABLES = ["pattern", "pattern.pillar"];
+const FIRST_TABLES = ["surface", "pattern", "pattern.pillar"];
 
 /** The two words of a key that is true or false. */
 const [TRUE, FALSE] = ["true", "false"];
@@ -24,8 +24,6 @@ const [TRUE, FALSE] = ["true", "false"];
 /** Number of steps of a slider. */
 const STEPS = 1000;
 
-/** Shown in the field of a thickness without a value: the body is a half-space. */
-const INFINITE = "infinite";
 
 /**
  * @typedef {object} Widget
@@ -52,6 +50,8 @@ export class Controls {
   #keys;
   /** @type {Changed} */
   #changed;
+  /** @type {HTMLFieldSetElement[]} */
+  #sets = [];
 
   /**
    * @param {HTMLElement} container
@@ -71,6 +71,7 @@ export class Controls {
         this.#widgets.set(key.key, widget);
         set.append(widget.box);
       }
+      this.#sets.push(set);
       container.append(set);
     }
   }
@@ -84,6 +85,7 @@ export class Controls {
     const shown = withReceding(withSpacing(values));
     this.#widgets.get(FRACTION)?.box.classList.toggle("derived", values[FRACTION] === undefined);
     this.#widgets.get(PITCH)?.box.classList.toggle("derived", values[PITCH] === undefined);
+    const flat = isFlat(values);
     /** @type {(key: Key) => Value} */
     const valueOf = (key) => shown[key.key] ?? key.default ?? "";
     for (const key of this.#keys) {
@@ -91,15 +93,17 @@ export class Controls {
       if (widget === undefined) continue;
       const condition = key.goes_with;
       const choice = this.#keys.find(({ key }) => key === condition?.key);
-      if (condition !== null && choice !== undefined) {
-        widget.box.hidden = !condition.words.includes(String(valueOf(choice)));
-      }
+      const isIdle = condition !== null && choice !== undefined && !condition.words.includes(String(valueOf(choice)));
+      widget.box.hidden = isIdle || (flat && !key.on_flat);
       widget.show(valueOf(key), key.key === typed);
     }
     const receding = this.#widgets.get(RECEDING)?.box;
     receding?.classList.toggle("derived", values[RECEDING] === undefined);
-    receding?.toggleAttribute("hidden", shown[RECEDING] === undefined);
-    this.#widgets.get(ADHESIVE_FLOOR)?.box.toggleAttribute("hidden", !isAdhesive(values) && values[ADHESIVE_FLOOR] === undefined);
+    // Rounded tops have one work of adhesion.
+    const hasReceding = shown[RECEDING] !== undefined && (!isRounded(values) || values[RECEDING] !== undefined);
+    receding?.toggleAttribute("hidden", !hasReceding);
+    this.#widgets.get(ADHESIVE_FLOOR)?.box.toggleAttribute("hidden", !isCycle(values) && values[ADHESIVE_FLOOR] === undefined);
+    for (const set of this.#sets) set.hidden = ![...set.querySelectorAll(".field")].some((box) => !box.hasAttribute("hidden"));
   }
 
   /**
@@ -138,7 +142,7 @@ export class Controls {
     text.addEventListener("change", () => {
       text.value = withUnit(text.value, unit);
       unit = unitOf(text.value) || unit;
-      const isInfinite = field.infinite && ["", INFINITE, "∞"].includes(text.value.trim());
+      const isInfinite = field.infinite && ["", field.infinite, "∞"].includes(text.value.trim());
       const value = isInfinite ? "" : (parse(text.value, field.dimension) ?? text.value);
       this.#changed(field.key, value, true, performance.now());
     });
@@ -160,11 +164,11 @@ export class Controls {
     /** @type {(value: Value, typed: boolean) => void} */
     const show = (value, typed) => {
       if (typeof value !== "number") {
-        const isInfinite = field.infinite && value === "";
-        if (!typed) text.value = isInfinite ? INFINITE : value;
-        if (isInfinite) {
+        const infinite = value === "" ? field.infinite : null;
+        if (!typed) text.value = infinite ?? value;
+        if (infinite !== null) {
           slider.value = String(STEPS);
-          slider.setAttribute("aria-valuetext", INFINITE);
+          slider.setAttribute("aria-valuetext", infinite);
         }
         return;
       }

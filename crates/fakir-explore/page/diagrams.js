@@ -4,7 +4,7 @@ import { drawChart, extremes, range } from "./charts.js";
 import { measuredPlaces } from "./measured.js";
 import { digitsFor, engineeringText } from "./numbers.js";
 import { byId } from "./screen.js";
-import { floorCarriesLoad, isCritical, isOlder, stationAt, isAdhesive } from "./store.js";
+import { floorCarriesLoad, isCritical, isOlder, stationAt, isCycle } from "./store.js";
 
 /**
  * @import { Axes, Contents, Lettering, Place, Series } from "./charts.js"
@@ -97,12 +97,14 @@ function phaseContents(state) {
   const { transition } = phase.is;
   // The contact radius on the pillar tops, as along the loading path.
   /** @type {(summary: TransitionSummary) => Place} */
-  const placeOf = (summary) => [summary.top_contact_radius_m / summary.pitch_m, summary.normalized.force];
+  const placeOf = (summary) => [summary.top_contact_radius_m / summary.pitch_m, summary.normalized?.force ?? NaN];
+  if (phase.is.critical === null || critical.is.normalized === undefined) return null;
+  const unit = critical.is.normalized.force / critical.is.critical_force_N;
   const at = placeOf(critical.is);
   const end = placeOf(phase.is.critical);
   /** @type {(of: (fraction: number) => boolean) => Place[]} */
   const places = (of) =>
-    phase.is.path.filter(({ fraction }) => of(fraction)).map(({ normalized }) => normalized);
+    phase.is.path.flatMap(({ fraction, normalized }) => (of(fraction) && normalized !== null ? [/** @type {Place} */ (normalized)] : []));
   const path = [...places((fraction) => fraction < 1), end];
   const beyond = places((fraction) => fraction > 1);
   const all = [at, ...path, ...beyond];
@@ -131,8 +133,9 @@ function phaseContents(state) {
     },
     { kind: "points", style: "critical-point", points: [at] },
   ];
-  if (solved !== null && solved.of.name === critical.of.name) {
-    const { fraction, normalized } = solved.is;
+  const normalized = solved?.is.normalized ?? null;
+  if (solved !== null && solved.of.name === critical.of.name && normalized !== null) {
+    const fraction = solved.is.fraction ?? 1;
     series.push({
       kind: "points",
       style: aged("load-point", isOlder(state, solved, "load")),
@@ -141,7 +144,6 @@ function phaseContents(state) {
   }
   const station = stationShown(state);
   if (station !== null && state.cycle?.of.name === critical.of.name && station.force_N > 0) {
-    const unit = critical.is.normalized.force / critical.is.critical_force_N;
     /** @type {Place} */
     const place = [station.contact_radius_m / critical.is.pitch_m, station.force_N * unit];
     series.push({ kind: "points", style: "load-point", points: [place] });
@@ -190,10 +192,10 @@ function pinnedPlaces({ pinned }) {
   const cycle = pinned.cycle?.is.solved ?? null;
   if (cycle !== null) return cycle.summary.stations.map(placeOf);
   const { critical, phase } = pinned;
-  if (critical === null || phase === null) return [];
-  /** @type {Place} */
-  const end = [critical.is.critical_indentation_m, critical.is.critical_force_N];
-  return [...phase.is.path.map(placeOf), end].sort(([a], [b]) => a - b);
+  if (phase === null) return [];
+  /** @type {Place[]} */
+  const end = critical === null ? [] : [[critical.is.critical_indentation_m, critical.is.critical_force_N]];
+  return [...phase.is.path.map(placeOf), ...end].sort(([a], [b]) => a - b);
 }
 
 /**
@@ -327,7 +329,7 @@ function cycleSeries(state, { curve, solved }) {
 
 /** @param {State} state */
 export function drawLoading(state) {
-  const adhesive = isAdhesive(state.chosen.case);
+  const adhesive = isCycle(state.chosen.case);
   if (adhesive && state.cycle !== null) drawCycle(state, state.cycle.is);
   if (adhesive) return;
   byId("pull-box").hidden = true;
@@ -340,45 +342,50 @@ export function drawLoading(state) {
  * @returns {Contents | null}
  */
 function loadingContents(state) {
-  const { phase, critical, solved } = state;
-  if (phase === null || critical === null) return null;
-  const older = isBefore(phase, critical);
-  const { path, critical: end } = phase.is;
-  /** @type {Place} */
-  const reached = [end.critical_indentation_m, end.critical_force_N];
+  const { phase, critical, loadScale, solved } = state;
+  const known = critical ?? loadScale;
+  if (phase === null || known === null) return null;
+  const older = isBefore(phase, known);
+  const { path, critical: end, unloading } = phase.is;
+  byId("unloading-key").hidden = byId("branch-note").hidden = unloading.length === 0;
+  // Without a critical state the whole path is one line.
+  const split = end === null ? Infinity : 1;
+  /** @type {Place[]} */
+  const ends = end === null ? [] : [[end.critical_indentation_m, end.critical_force_N]];
   /** @type {(of: (fraction: number) => boolean) => Place[]} */
   const places = (of) => path.filter(({ fraction }) => of(fraction)).map(placeOf);
-  const past = places((fraction) => fraction > 1);
+  const past = places((fraction) => fraction > split);
   const onFloor = path.flatMap(/** @returns {Place[]} */ ({ fraction, indentation_m, floor_force_N }) =>
-    fraction > 1 && floor_force_N !== null ? [[indentation_m, floor_force_N]] : [],
+    fraction > split && floor_force_N !== null ? [[indentation_m, floor_force_N]] : [],
   );
   /** @type {Series[]} */
   const series = [
-    { kind: "vertical", style: "one-pitch", points: [reached] },
-    { kind: "line", style: aged("path", older), points: [...places((f) => f < 1), reached] },
+    { kind: "vertical", style: "one-pitch", points: ends },
+    { kind: "line", style: aged("path unloading", older), points: [...unloading] },
+    { kind: "line", style: aged("path", older), points: [...places((f) => f < split), ...ends] },
     {
       kind: "line",
       style: aged(`path beyond-path ${pastStyle(phase.of.case)}`, older),
-      points: past.length > 0 ? [reached, ...past] : [],
+      points: past.length > 0 ? [...ends, ...past] : [],
     },
     {
       kind: "line",
       style: aged("floor-force", older),
-      points: onFloor.length > 0 ? [[reached[0], 0], ...onFloor] : [],
+      points: onFloor.length > 0 ? [...ends.map(/** @returns {Place} */ ([x]) => [x, 0]), ...onFloor] : [],
     },
     {
       kind: "points",
       style: "critical-point",
-      points: [[critical.is.critical_indentation_m, critical.is.critical_force_N]],
+      points: critical === null ? [] : [[critical.is.critical_indentation_m, critical.is.critical_force_N]],
     },
   ];
   /** @type {Place[]} */
   const shown = [];
-  if (solved !== null && solved.of.name === critical.of.name) {
+  if (solved !== null && solved.of.name === known.of.name) {
     const { summary } = solved.is;
     shown.push([summary.indentation_m, summary.force_N]);
     const style = aged("load-point", isOlder(state, solved, "load"));
-    if (summary.floor !== null) {
+    if (summary.floor) {
       /** @type {Place} */
       const point = [summary.indentation_m, summary.floor.force_N];
       series.push({ kind: "points", style, points: [point] });
@@ -393,9 +400,11 @@ function loadingContents(state) {
   );
   /** @type {(k: 0 | 1) => number} */
   const most = (k) =>
-    1.05 * Math.max(...[reached, ...past, ...shown, ...measured, ...pinned].map((place) => place[k]).filter(Number.isFinite));
-  const [least] = extremes([0, ...[...measured, ...pinned].map(([, force]) => force)]);
-  return { x: [0, most(0)], y: [least, most(1)], series };
+    1.05 * Math.max(...[...ends, ...places(() => true), ...shown, ...measured, ...pinned].map((place) => place[k]).filter(Number.isFinite));
+  const [least] = extremes([0, ...[...measured, ...pinned, ...unloading, ...places(() => true)].map(([, force]) => 1.05 * force)]);
+  const [first] = extremes([0, ...unloading.map(([x]) => 1.05 * x)]);
+  if (least < 0) series.unshift({ kind: "line", style: "zero", points: [[-1, 0], [1, 0]] });
+  return { x: [first, most(0)], y: [least, most(1)], series };
 }
 
 /** @param {State} state */
@@ -462,7 +471,7 @@ function pointOf(critical) {
     force_N: critical.critical_force_N,
     contact_radius_m: critical.critical_contact_radius_m,
     indentation_m: critical.critical_indentation_m,
-    normalized: [critical.normalized.contact_radius, critical.normalized.force],
+    normalized: [critical.normalized?.contact_radius ?? NaN, critical.normalized?.force ?? NaN],
   };
 }
 
@@ -475,7 +484,7 @@ export function drawCurvesStatus({ asking, answered, question }) {
     .filter((each) => each?.of.name === question.name)
     .map((each) => each?.is ?? "");
   const words = asking.curves !== null ? "computing …" : refused.find((words) => words !== "") ?? "";
-  byId("curves-status").textContent = [isAdhesive(question.case) ? "without adhesion" : "", words]
+  byId("curves-status").textContent = [isCycle(question.case) ? "without adhesion" : "", words]
     .filter((part) => part !== "")
     .join(", ");
 }

@@ -44,6 +44,7 @@
  * @typedef {object} ErrorEstimate
  * @property {number | null} force
  * @property {number | null} indentation
+ * @property {number} [indentation_m] Error of the indentation, m, with rounded tops.
  * @property {number | null} contact_radius
  * @property {number | null} [top_contact_radius] Only in the critical state.
  */
@@ -60,7 +61,8 @@
  * @property {number} top_contact_radius_m
  * @property {number} pillars_in_contact
  * @property {number} pillars_partially_in_contact
- * @property {{ force: number, contact_radius: number, indentation: number }} normalized
+ * @property {{ force: number, contact_radius: number, indentation: number }} [normalized] Of flat tops.
+ * @property {number} [pillars_fully_in_contact] Of rounded tops.
  * @property {ErrorEstimate} relative_error_estimate
  * @property {boolean} converged
  * @property {number} iterations
@@ -89,7 +91,8 @@
  * @property {number} [top_contact_radius_m] Only if the floor is in contact.
  * @property {number} pillars_in_contact
  * @property {number} pillars_partially_in_contact
- * @property {number} smallest_floor_gap_m
+ * @property {number} [pillars_fully_in_contact] Of rounded tops.
+ * @property {number | null} smallest_floor_gap_m
  * @property {boolean} beyond_transition
  * @property {FloorSummary | null} floor Null before the transition, and beyond it if floor contact is ignored.
  * @property {ErrorEstimate} relative_error_estimate
@@ -141,15 +144,17 @@
  * @typedef {object} ContactState
  * @property {boolean} approximate Whether a more accurate state follows. This one is computed with the punch lattice
  *   (within one or two per cent), or without the floor, which takes longer.
- * @property {number} fraction
+ * @property {number | null} fraction Null for a state on the way to a critical state that is not known yet.
  * @property {PressSummary} summary
- * @property {readonly [number, number, number]} normalized The reduced variables F gamma_int/(h d), a/e and zeta/h.
+ * @property {readonly [number, number, number] | null} normalized Of flat tops, the reduced variables F gamma_int/(h d), a/e and zeta/h.
  * @property {number} pitch_m
  * @property {number} diameter_m
  * @property {Lattice} lattice
  * @property {readonly number[]} pillars
  * @property {readonly number[]} pillar_forces_N
  * @property {string} pillar_statuses
+ * @property {readonly (readonly [number, number, number])[]} [contacts_m] Centre and radius of the contact on each of these pillars, m, with
+ *   rounded tops.
  * @property {readonly Point[]} floor_contacts_m
  * @property {FloorCells | null} floor Null if the floor carries no load.
  * @property {readonly string[]} warnings
@@ -186,7 +191,7 @@
  * @property {number} indentation_m
  * @property {number} force_N
  * @property {number | null} floor_force_N Floor force, part of `force_N`; null if floor contact is ignored.
- * @property {Point} normalized a/e and F gamma_int/(h d).
+ * @property {Point | null} normalized Of flat tops, a/e and F gamma_int/(h d).
  */
 
 /**
@@ -384,6 +389,8 @@
  * @property {CurvePoint} [point]
  * @property {{ largest_surface_fraction: number }} [complete]
  * @property {readonly Point[]} [transition]
+ * @property {readonly Point[]} [unloading] Indentations, m, and forces, N.
+ * @property {{ indentation_m: number, why: string }} [reference] The load 1 where there is no critical state.
  * @property {PathState} [path]
  * @property {ExpectedCells} [expected_cells]
  * @property {readonly CurveStation[]} [curve]
@@ -476,7 +483,8 @@
  * @property {readonly [number, number] | null} usual Range of usual values.
  * @property {boolean} list Whether it takes a list of numbers.
  * @property {boolean} whole
- * @property {boolean} infinite Whether its default is infinite.
+ * @property {string | null} infinite The word for no value, if that is an infinite one: of a thickness or a radius.
+ * @property {boolean} on_flat Whether cases with a flat surface have it.
  * @property {readonly string[]} words The words that it accepts; empty if it takes a number.
  * @property {Value | null} default Its default; null if it must be given.
  * @property {string | null} alternative The key that it replaces.

@@ -1,7 +1,7 @@
 // For a lecture: the load moves by itself, and only the main pictures are shown, in large type.
 
 import { byId } from "./screen.js";
-import { isAdhesive } from "./store.js";
+import { isCycle } from "./store.js";
 
 /** @import { State, Store } from "./store.js" */
 
@@ -65,7 +65,7 @@ export function lecture(store) {
  * @returns {number}
  */
 function loadAt({ chosen, cycle, start }, part) {
-  if (!isAdhesive(chosen.case)) return Number((part * start.farthest_load).toFixed(3));
+  if (!isCycle(chosen.case)) return Number((part * start.farthest_load).toFixed(3));
   const states = cycle?.is.states ?? [];
   return states[Math.round(part * (states.length - 1))]?.load ?? 2 * part;
 }

@@ -18,16 +18,19 @@ import { drawSection } from "./section.js";
 import { Server } from "./server.js";
 import { explainFocus } from "./sketch.js";
 import {
+  FLAT,
   FLOOR,
   FRACTION,
+  hasFlatTops,
   isBusy,
   isCriticalStation,
+  isFlat,
   isOlder,
   mapScale,
   PITCH,
   RECEDING,
   refusedAt,
-  isAdhesive,
+  isCycle,
   Store,
   STRENGTHS,
   TIMES,
@@ -117,18 +120,19 @@ function show(store) {
       for (const button of buttons("preset")) {
         const settings = Object.entries(preset(start, button.dataset["preset"] ?? ""));
         const same = settings.every(([key, value]) => (chosen.case[key] ?? defaults.get(key)) === value);
-        button.setAttribute("aria-pressed", String(same));
+        button.setAttribute("aria-pressed", String(same && hasFlatTops(chosen.case)));
       }
+      byId("flat-reference").setAttribute("aria-pressed", String(isFlat(chosen.case)));
     },
   );
   screen.add(
     ({ refusal }) => [refusal],
     (state) => showRefusal(state, controls),
   );
-  screen.add((state) => [state.critical, state.estimate], drawCritical);
+  screen.add((state) => [state.critical, state.estimate, state.loadScale], drawCritical);
   screen.add(
     (state) => [
-      ...[state.critical, state.solved, state.reference, state.cycle?.is.solved],
+      ...[state.critical, state.loadScale, state.solved, state.reference, state.cycle?.is.solved],
       ...[state.progress, state.refusal, state.calledOff],
     ],
     drawFacts,
@@ -203,7 +207,7 @@ function show(store) {
   );
   screen.addLate(
     (state) => [
-      ...[state.measured, state.contactPoint, state.pinned],
+      ...[state.measured, state.contactPoint, state.pinned, state.loadScale],
       ...[state.phase, state.critical, state.solved, state.cycle, state.chosen.load],
       isOlder(state, state.solved, "load"),
     ],
@@ -249,7 +253,7 @@ function show(store) {
   screen.age((state) => state.phase, "case", legend("phase", ".line"));
   screen.age((state) => state.curves, "case", legend("curves", ".line"));
   /** @type {(state: State) => Of<unknown> | null} */
-  const known = (state) => state.cycle ?? state.critical;
+  const known = (state) => state.cycle ?? state.critical ?? state.loadScale;
   screen.age(known, "case", [loading, pull, byId("cycle-numbers"), ...legend("loading", ".dot")]);
   screen.age((state) => state.cycle ?? state.phase, "case", legend("loading", ".line"));
   screen.age((state) => state.picture, "load", [canvas, byId("map-key")]);
@@ -361,7 +365,7 @@ function listen(store, engine) {
   slider.addEventListener("input", () => {
     const value = Number(slider.value);
     const { chosen, cycle } = store.state;
-    if (isAdhesive(chosen.case)) {
+    if (isCycle(chosen.case)) {
       // With adhesion the slider has a step for each state.
       const state = cycle?.is.states[value];
       if (state !== undefined) store.choose({ load: state.load }, performance.now());
@@ -404,6 +408,10 @@ function listen(store, engine) {
       store.choose({ case: values }, performance.now());
     });
   }
+  byId("flat-reference").addEventListener("click", () => {
+    const flat = isFlat(store.state.chosen.case);
+    store.setValue(FLAT, flat ? "false" : "true", false, performance.now());
+  });
   for (const button of buttons("file")) {
     button.addEventListener("click", () => void save(store, engine, button.dataset["file"] ?? ""));
   }

@@ -268,6 +268,14 @@ function drawPillars(sheet, colours) {
         ? pulls[shade(force / scene.pull_N, PULLS)]
         : groups[shade(force / sheet.force, count)];
     const outline = parts.get(k);
+    const disc = scene.contacts[k];
+    if (disc !== undefined) {
+      // The contact on a rounded top, which is drawn below it.
+      const [right, up, own] = [disc[0], disc[1], Math.max(disc[2], 1.2 * pixel)];
+      path?.moveTo(right + own, up);
+      path?.arc(right, up, own, 0, 2 * Math.PI);
+      return;
+    }
     if (outline === undefined) {
       path?.moveTo(x + radius, y);
       path?.arc(x, y, radius, 0, 2 * Math.PI);
@@ -508,7 +516,8 @@ export function wordsAt(canvas, contents, event) {
       : `floor in contact, about ${engineeringText(pressure, "pressure", 2)}, ${place}`;
   for (let k = 0; k < scene.forces_N.length; k += 1) {
     const [a, b] = centre(scene, k);
-    if (Math.hypot(a - x, b - y) <= topRadius(scene, scene.pillars[2 * k])) {
+    const disc = scene.contacts[k];
+    if (Math.hypot(a - x, b - y) <= Math.max(topRadius(scene, scene.pillars[2 * k]), disc?.[2] ?? 0)) {
       const force = engineeringText(scene.forces_N[k] ?? 0, "force", 4);
       const covered = scene.parts.find(({ pillar }) => pillar === k)?.covered;
       const partly =
@@ -517,7 +526,8 @@ export function wordsAt(canvas, contents, event) {
           : scene.statuses[k] === "p"
             ? ", partial contact"
             : "";
-      words = `pillar ${force}${partly}, ${place}`;
+      const radius = disc === undefined ? "" : `, contact radius ${engineeringText(disc[2], "length", 3)}`;
+      words = `${scene.lattice.listed?.length === 1 && disc !== undefined ? "contact" : "pillar"} ${force}${disc === undefined ? partly : radius}, ${place}`;
     }
   }
   return words.replace(/\^\{(.*?)\}/g, "^$1");

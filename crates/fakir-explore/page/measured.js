@@ -4,7 +4,7 @@ import { drawChart, extremes } from "./charts.js";
 import { Refused } from "./engine.js";
 import { engineeringText, significant, withPrefixes, write } from "./numbers.js";
 import { byId } from "./screen.js";
-import { isAdhesive, tableOf } from "./store.js";
+import { isCycle, tableOf } from "./store.js";
 import { base64Of, contentsOf, takeTable } from "./table.js";
 
 /**
@@ -173,9 +173,9 @@ function residualsOf(state) {
     return fitted.residuals.map(([at, force]) => [at - shift, force]);
   }
   // A loading with gaps would show differences that are none.
-  if (!isAdhesive(chosen.case) && answered.phase?.of.name !== question.name) return [];
+  if (!isCycle(chosen.case) && answered.phase?.of.name !== question.name) return [];
   /** @type {Place[]} */
-  const model = isAdhesive(chosen.case)
+  const model = isCycle(chosen.case)
     ? (cycle?.is.solved?.summary.stations ?? [])
         .filter(({ branch }) => branch === "loading")
         .map(({ indentation_m, force_N }) => [indentation_m, force_N])

@@ -7,6 +7,10 @@ import { floorAt, holesWords } from "./scene.js";
 import {
   floorCarriesLoad,
   hasAdhesiveFloor,
+  hasCritical,
+  hasFlatTops,
+  isFlat,
+  isRounded,
   isBeyond,
   isBusy,
   isCalledOff,
@@ -15,7 +19,7 @@ import {
   isOlder,
   isWhole,
   stationAt,
-  isAdhesive,
+  isCycle,
 } from "./store.js";
 
 /**
@@ -41,7 +45,14 @@ import {
  * @param {State} state
  */
 export function drawCritical(state) {
-  const { estimate, critical } = state;
+  const { estimate, critical, loadScale } = state;
+  const none = byId("no-critical");
+  byId("critical").hidden = loadScale !== null;
+  none.hidden = loadScale === null;
+  if (loadScale !== null) {
+    const length = engineeringText(loadScale.is.indentation_m, "length", 3);
+    write(none, `No critical state: ${loadScale.is.why}. Loads are relative to an indentation of ${length}.`);
+  }
   byId("readouts").classList.toggle("estimated", estimate !== null);
   const readouts =
     estimate !== null ? estimated(estimate.is) : critical === null ? [] : solved(critical.is);
@@ -83,8 +94,11 @@ function solved(summary) {
     if (value === null) return "error not estimated";
     return value > 0 ? `error ${significant(value, 1)}` : "exact";
   };
+  // The reduced variables are those of flat tops.
   const reduced = summary.normalized;
-  const ratio = significant(reduced.contact_radius, radiusDigits(error.contact_radius));
+  /** @type {(text: (of: NonNullable<typeof reduced>) => string) => string} */
+  const ofTops = (text) => (reduced === undefined ? "" : text(reduced));
+  const ratio = ofTops((of) => `a/e = ${significant(of.contact_radius, radiusDigits(error.contact_radius))},  `);
   const tops = engineeringText(summary.top_contact_radius_m, "length", radiusDigits(error.top_contact_radius ?? null));
   return [
     {
@@ -92,21 +106,21 @@ function solved(summary) {
       value: summary.critical_force_N,
       dimension: "force",
       digits: digits(error.force),
-      remark: `F γ_{int}/(h d) = ${significant(reduced.force, 4)},  ${words(error.force)}`,
+      remark: `${ofTops((of) => `F γ_{int}/(h d) = ${significant(of.force, 4)},  `)}${words(error.force)}`,
     },
     {
       id: "radius",
       value: summary.critical_contact_radius_m,
       dimension: "length",
       digits: radiusDigits(error.contact_radius),
-      remark: `a/e = ${ratio},  on the tops ${tops},  ${words(error.contact_radius)}`,
+      remark: `${ratio}on the tops ${tops},  ${words(error.contact_radius)}`,
     },
     {
       id: "indentation",
       value: summary.critical_indentation_m,
       dimension: "length",
       digits: digits(error.indentation),
-      remark: `ζ/h = ${significant(reduced.indentation, 4)},  ${words(error.indentation)}`,
+      remark: `${ofTops((of) => `ζ/h = ${significant(of.indentation, 4)},  `)}${words(error.indentation)}`,
     },
   ];
 }
@@ -128,6 +142,11 @@ export function drawFacts(state) {
     byId("pillars").textContent =
       `${all} ${all === 1 ? "pillar" : "pillars"} in contact, ${part} partially`;
   }
+  if (state.loadScale !== null) {
+    const pillars = state.solved?.is.summary.pillars_in_contact;
+    byId("regime").textContent = "";
+    byId("pillars").textContent = pillars === undefined ? "" : `${pillars} ${pillars === 1 ? "pillar" : "pillars"} in contact`;
+  }
   byId("status").textContent = statusWords(state);
   const warnings = byId("warnings");
   const answer = answerOf(state);
@@ -142,6 +161,7 @@ export function drawFacts(state) {
  */
 const LIMITS = {
   slope: "slope of the lens",
+  contact_on_top: "contact radius over radius of curvature of a top",
   contact_radius_over_lens_radius: "contact radius over lens radius",
   contact_radius_over_lens_thickness: "contact radius over thickness of the lens",
   lens_thickness_over_radius: "thickness of the lens over its radius",
@@ -254,7 +274,7 @@ const SHORT = 400;
 export function drawCycleProgress(state) {
   const { asking, cycle, elapsed, expected, progress, question } = state;
   const under = asking.contact?.question;
-  const isUnder = under !== undefined && isAdhesive(under.case) && elapsed > SHORT;
+  const isUnder = under !== undefined && isCycle(under.case) && elapsed > SHORT;
   const calledOff = isCalledOff(state) && under === undefined;
   byId("cycle-progress").hidden = !isUnder && !calledOff;
   byId("cycle-share").hidden = byId("call-off").hidden = !isUnder;
@@ -306,12 +326,20 @@ function cellsWords({ cells, across_ring, many, coarse }) {
  * @param {State} state
  */
 export function drawLoad(state) {
-  const adhesive = isAdhesive(state.chosen.case);
+  const adhesive = isCycle(state.chosen.case);
   const floorIsAdhesive = hasAdhesiveFloor(state.chosen.case);
   byId("to-pull-off").hidden = !adhesive;
   byId("to-jump").hidden = !floorIsAdhesive;
   byId("cycle-numbers").hidden = !adhesive || state.cycle === null || state.cycle.is.solved === null;
-  byId("load-end").textContent = adhesive ? "last release" : "beyond";
+  const critical = hasCritical(state.chosen.case);
+  byId("load-end").textContent = adhesive ? "last release" : critical ? "beyond" : `× ${state.start.farthest_load}`;
+  byId("load-at").textContent = critical ? "critical" : "× 1";
+  byId("to-critical").hidden = !critical;
+  byId("force-words").textContent = isFlat(state.chosen.case) ? "force" : "force on a pillar";
+  byId("partial-key").hidden = isRounded(state.chosen.case) || isFlat(state.chosen.case);
+  byId("main").classList.toggle("few", !hasFlatTops(state.chosen.case));
+  byId("touch-key").classList.toggle("absent", !critical);
+  for (const id of ["diagram", "curves"]) byId(id).hidden = !hasFlatTops(state.chosen.case);
   for (const id of ["load-track", "loading-legend", "export-menu"]) byId(id).classList.toggle("cycle", adhesive);
   for (const id of ["loading-legend", "cycle-numbers"]) byId(id).classList.toggle("with-adhesive-floor", floorIsAdhesive);
   if (adhesive) {
@@ -320,15 +348,19 @@ export function drawLoad(state) {
   }
   byId("load", HTMLInputElement).disabled = false;
   const { load } = state.chosen;
-  const words = loadWords(load);
-  const beyond = isBeyond(load);
+  const words = loadWords(load, critical);
+  const beyond = isBeyond(load) && critical;
   byId("load-words").textContent = words;
   const carries = floorCarriesLoad(state.chosen.case);
   byId("load-words").classList.toggle("beyond", beyond && !carries);
   byId("beyond-note").hidden = !beyond || carries;
+  byId("beyond-why").textContent = isRounded(state.chosen.case)
+    ? "Under adhesive rounded tops it is not computed; without adhesion it is."
+    : "The spectral method with floor contact computes the floor force.";
   for (const part of [byId("load").parentElement, byId("loading-legend")]) {
-    part?.classList.toggle("through-floor", !carries);
+    part?.classList.toggle("through-floor", !carries && critical);
   }
+  byId("loading-legend").classList.toggle("no-critical", !critical);
   setSlider(0.002, state.start.farthest_load, 1, load, words);
   if (state.solved === null) return;
   const { summary } = state.solved.is;
@@ -338,11 +370,11 @@ export function drawLoad(state) {
   const force = engineeringText(summary.force_N, "force", digits(error.force));
   const indentation = engineeringText(summary.indentation_m, "length", digits(error.indentation));
   const { contact_radius_m: reached, top_contact_radius_m: tops = reached } = summary;
-  const whole = isCritical(state.solved.is.fraction) ? criticalRadius(state, reached) : reached;
+  const whole = isCritical(state.solved.is.fraction ?? 0) && critical ? criticalRadius(state, reached) : reached;
   const radius = radiusWords(whole, tops, digits(error.contact_radius));
   write(byId("load-numbers"), `F = ${force},  ζ = ${indentation},  ${radius}${lateralWords(summary.friction)}`);
-  write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m, "length", digits(error.indentation)));
-  drawFloor(summary.floor);
+  write(byId("floor-gap"), engineeringText(summary.smallest_floor_gap_m ?? NaN, "length", digits(error.indentation)));
+  drawFloor(summary.floor ?? null);
 }
 
 /**
@@ -644,12 +676,14 @@ function drawFloor(floor) {
 
 /**
  * @param {number} fraction
+ * @param {boolean} hasCritical Whether loads are relative to a critical state.
  * @returns {string}
  */
-function loadWords(fraction) {
+function loadWords(fraction, hasCritical) {
   if (fraction === 0) return "first contact";
-  if (isCritical(fraction)) return "critical state";
   const percent = `${significant(100 * fraction, 3)} %`;
+  if (!hasCritical) return `${percent} of the reference indentation`;
+  if (isCritical(fraction)) return "critical state";
   return fraction < 1
     ? `${percent} of the way to the critical state`
     : `${percent}, beyond the transition`;
@@ -661,9 +695,14 @@ function loadWords(fraction) {
  * @returns {string | null}
  */
 export function announcement(state) {
-  const { critical, solved, refusal, question } = state;
-  if (critical === null || refusal !== null || isBusy(state)) return null;
-  if (critical.of.name !== question.name) return null;
+  const { critical, loadScale, solved, refusal, question } = state;
+  if (refusal !== null || isBusy(state)) return null;
+  if (loadScale?.of.name === question.name && solved !== null) {
+    const force = engineeringText(solved.is.summary.force_N, "force", 4);
+    const indentation = engineeringText(solved.is.summary.indentation_m, "length", 4);
+    return `No critical state. Force ${force}, indentation ${indentation}. Load shown: ${loadWords(state.chosen.load, false)}.`;
+  }
+  if (critical === null || critical.of.name !== question.name) return null;
   const summary = critical.is;
   const force = engineeringText(summary.critical_force_N, "force", 4);
   const digits = radiusDigits(summary.relative_error_estimate.contact_radius);
@@ -683,8 +722,8 @@ export function announcement(state) {
   if (solved === null) return null;
   return (
     `Critical force ${force}, contact radius ${radius}, indentation ${indentation}. ` +
-    `Load shown: ${loadWords(solved.is.fraction)}.` +
-    (solved.is.summary.floor === null
+    `Load shown: ${loadWords(solved.is.fraction ?? 1, true)}.` +
+    (!solved.is.summary.floor
       ? ""
       : ` The floor carries ${significant(100 * solved.is.summary.floor.share, 2)} % of the force.`)
   );

@@ -1,7 +1,7 @@
 // Sends the questions of the store to the engine, and puts the answers into the store.
 
 import { Refused } from "./engine.js";
-import { isBusy, isWithoutFloor, knownCritical, isAdhesive, tableOf } from "./store.js";
+import { isBusy, hasCritical, hasFlatTops, isWithoutFloor, knownCritical, isCycle, tableOf } from "./store.js";
 
 /**
  * @import { ApiPath, Background, Engine, Kind, Refusal } from "./engine.js"
@@ -81,7 +81,7 @@ export function answerQuestions(store, engine) {
     const { asking, picture, question } = store.state;
     const under = asking.contact?.question;
     if (under === undefined || under.number >= question.number) return;
-    const continues = picture?.is.stage !== "exact" || isAdhesive(under.case);
+    const continues = picture?.is.stage !== "exact" || isCycle(under.case);
     if (picture?.of.number === under.number && continues) {
       engine.cancel("contact");
     }
@@ -102,8 +102,8 @@ export function answerQuestions(store, engine) {
   async function contact(question) {
     const known = knownCritical(store.state, question);
     // A cycle can take minutes: its elapsed time is shown meanwhile.
-    const clock = isAdhesive(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
-    await ask("contact", isAdhesive(question.case) ? "cycle" : "contact", question, {
+    const clock = isCycle(question.case) ? window.setInterval(() => store.tick(performance.now()), TICK) : undefined;
+    await ask("contact", isCycle(question.case) ? "cycle" : "contact", question, {
       case: question.case,
       load: {
         fraction: question.load,
@@ -118,14 +118,18 @@ export function answerQuestions(store, engine) {
   function background() {
     const { question, asking, answered } = store.state;
     const critical = knownCritical(store.state, question);
-    if (critical === null) return;
-    const { critical_indentation_m } = critical;
+    if (critical === null && hasCritical(question.case)) return;
     const questions = {
-      phase: { case: question.case, load: { fraction: 1, critical_indentation_m } },
+      phase: {
+        case: question.case,
+        load: { fraction: 1, ...(critical && { critical_indentation_m: critical.critical_indentation_m }) },
+      },
       curves: { case: question.case },
     };
+    /** @type {(values: typeof question.case) => boolean} */
+    const loads = (values) => !isCycle(values);
     // With adhesion the phase diagram shows the loading of the cycle.
-    for (const kind of BACKGROUND.filter((kind) => kind === "curves" || !isAdhesive(question.case))) {
+    for (const kind of BACKGROUND.filter((kind) => (kind === "curves" ? hasFlatTops : loads)(question.case))) {
       const names = [asking[kind]?.question.name, answered[kind]?.of.name];
       if (!names.includes(question.name)) void ask(kind, kind, question, questions[kind]);
     }

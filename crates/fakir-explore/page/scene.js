@@ -10,7 +10,7 @@ import { engineeringText, radiusDigits, significant } from "./numbers.js";
 
 /**
  * @typedef {object} Scene
- * @property {number} fraction
+ * @property {number | null} fraction
  * @property {number} pitch_m
  * @property {number} diameter_m
  * @property {Lattice} lattice
@@ -18,6 +18,8 @@ import { engineeringText, radiusDigits, significant } from "./numbers.js";
  * @property {readonly number[]} pillars
  * @property {readonly number[]} forces_N
  * @property {string} statuses A letter for each pillar: `f` for full, `p` for partial contact; empty if unknown.
+ * @property {readonly (readonly [number, number, number])[]} contacts Centre and radius of the contact on each pillar, m, with rounded tops; else
+ *   empty.
  * @property {readonly PartialTop[]} parts Bonded regions of the partial contacts, where known.
  * @property {number} pull_N Largest tension of a pillar on the colour scale, N, negative; 0 without adhesion.
  * @property {readonly Point[]} floor_contacts_m
@@ -36,8 +38,9 @@ export function sceneOf(state) {
   const { summary } = state;
   if (summary.method === "homogenised") {
     const { force_N, contact_radius_m } = summary;
-    return sceneOfPreview({ ...state, force_N, contact_radius_m });
+    return sceneOfPreview({ ...state, fraction: state.fraction ?? 1, force_N, contact_radius_m });
   }
+  /** A flat surface has no pillars. @type {{ pillars_in_contact?: number, pillars_partially_in_contact?: number }} */
   const { pillars_in_contact: all, pillars_partially_in_contact: part } = summary;
   const edge = summary.top_contact_radius_m ?? summary.contact_radius_m;
   const radius = engineeringText(
@@ -54,15 +57,18 @@ export function sceneOf(state) {
     pillars: state.pillars,
     forces_N: state.pillar_forces_N,
     statuses: state.pillar_statuses,
+    contacts: state.contacts_m ?? [],
     parts: [],
     pull_N: state.pillar_forces_N.reduce((least, force) => Math.min(least, force), 0),
     floor_contacts_m: state.floor_contacts_m,
     floor: state.floor,
     floorIsOlder: false,
     words:
-      `Contact from above: ${all} pillars in contact, ${part} of them partially, ` +
-      `within ${radius} of the lens axis, a/e = ${significant(state.normalized[1], 3)}` +
-      (summary.floor === null
+      (all === undefined
+        ? `Contact from above: one disc of radius ${radius}`
+        : `Contact from above: ${all} pillars in contact, ${part} of them partially, within ${radius} of the lens axis`) +
+      (state.normalized === null ? "" : `, a/e = ${significant(state.normalized[1], 3)}`) +
+      (!summary.floor
         ? ""
         : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
   };
@@ -89,6 +95,7 @@ export function sceneOfStation(cycle, state) {
     contact_radius_m: radius,
     pillars: state.pillars,
     forces_N: forces,
+    contacts: [],
     statuses: forces.map((_, k) => (partial.has(k) ? "p" : "f")).join(""),
     parts: state.parts,
     pull_N: cycle.largest_pull_N,
@@ -156,6 +163,7 @@ export function sceneOfPreview(preview) {
     pillars,
     forces_N: forces.map((force) => (force * preview.force_N) / sum),
     statuses: "",
+    contacts: [],
     parts: [],
     pull_N: 0,
     floor_contacts_m: [],
@@ -185,7 +193,7 @@ export function withFloorBefore(scene, before) {
  * @returns {boolean}
  */
 export function touchesFloor({ fraction }) {
-  return fraction > 1 - 1e-9;
+  return fraction !== null && fraction > 1 - 1e-9;
 }
 
 /**

@@ -8,7 +8,7 @@ import { largestForceOf, sceneOf, sceneOfPreview, sceneOfStation, withFloorBefor
 /**
  * @import {
  *   Background, ContactState, CurvePoint, CurveStation, ExpectedCells, Fitted, History, Kind, Line, Measured, PathState, Point,
- *   Progress, Refusal, Section, SolvedCycle, Start, StationState, Texts, TransitionSummary, Value, Values,
+ *   PressSummary, Progress, Refusal, Section, SolvedCycle, Start, StationState, Texts, TransitionSummary, Value, Values,
  * } from "./engine.js"
  * @import { Scene } from "./scene.js"
  */
@@ -34,6 +34,19 @@ export const TIMES = "relaxation.times";
  * @type {Readonly<Record<string, string>>}
  */
 const FIRST_TERM = { [STRENGTHS]: "1", [TIMES]: "10 s" };
+
+/** Flat surfaces, the radius of rounded tops, and the shape of the lens. */
+export const FLAT = "surface.flat";
+export const TOP_RADIUS = "pattern.top_radius";
+const COLUMNS = "pattern.columns";
+const SHAPE = "lens.shape";
+const RADIUS = "lens.radius";
+
+/** Columns of an array of pillars that must be finite, unless they are given: its critical state takes seconds at most. */
+const FEW_COLUMNS = 15;
+
+/** Lenses that are closest to the floor outside of the pillars, so that there is no critical state, under finitely many pillars. */
+const WITHOUT_AXIS = ["cylinder", "plate"];
 
 /** The load of the last release. With adhesion, loads from 1 to this value are those of unloading. */
 const LAST_RELEASE = 2;
@@ -119,7 +132,15 @@ const LAST_RELEASE = 2;
  * @typedef {object} Phase
  * @property {readonly Point[]} transition
  * @property {readonly PathState[]} path States of the loading, in order of increasing load.
- * @property {TransitionSummary} critical The critical state of the same case.
+ * @property {TransitionSummary | null} critical The critical state of the same case, if there is one.
+ * @property {readonly Point[]} unloading Indentations, m, and forces, N, of unloading, where they differ from those of loading.
+ */
+
+/**
+ * The indentation to which loads are relative where there is no critical state.
+ * @typedef {object} LoadScale
+ * @property {number} indentation_m
+ * @property {string} why Why there is none.
  */
 
 /**
@@ -170,6 +191,7 @@ const LAST_RELEASE = 2;
  * @property {Of<Picture> | null} picture The contact map that is shown.
  * @property {Of<ContactState> | null} solved The last contact that was solved.
  * @property {Of<TransitionSummary> | null} critical The last critical state that was solved.
+ * @property {Of<LoadScale> | null} loadScale The scale of loads of the last case without a critical state.
  * @property {Of<TransitionSummary> | null} criticalBefore The critical state of the previous case, whose map may
  *   still be shown.
  * @property {Of<Estimate> | null} estimate An estimate of a critical state that is not solved yet.
@@ -209,6 +231,8 @@ export class Store {
   #state;
   /** @type {(() => void)[]} */
   #listeners = [];
+  /** Keys of the pillars before the surface became flat. @type {Values} */
+  #pillars = {};
 
   /**
    * @param {Start} start
@@ -229,6 +253,7 @@ export class Store {
       picture: null,
       solved: null,
       critical: null,
+      loadScale: null,
       criticalBefore: null,
       estimate: null,
       largestForce: null,
@@ -286,7 +311,7 @@ export class Store {
   choose(choice, asked, typed = null) {
     const before = this.#state.chosen;
     const values = choice.case ?? before.case;
-    const [previous, turned] = [choice.load ?? before.load, isAdhesive(values) !== isAdhesive(before.case)];
+    const [previous, turned] = [choice.load ?? before.load, isCycle(values) !== isCycle(before.case)];
     // A load above 1 is beyond the critical state without adhesion, and on unloading with it.
     const load = within(turned && choice.load === undefined ? Math.min(1, previous) : previous, values, this.#state.start);
     // A load that is chosen by itself belongs to no time.
@@ -296,7 +321,7 @@ export class Store {
       this.#change({ chosen });
       return;
     }
-    if (choice.case === undefined && isAdhesive(values)) {
+    if (choice.case === undefined && isCycle(values)) {
       // All states of the cycle have arrived, or will.
       this.#change({ chosen, ...shownAt(this.#state.cycle, load) });
       return;
@@ -320,6 +345,13 @@ export class Store {
       if (other.alternative === key || leaves) delete values[other.key];
     }
     values[key] = value;
+    if (key === FLAT) this.#makeFlat(values, String(value) === "true");
+    if (key === SHAPE && !WITHOUT_AXIS.includes(String(value))) values[RADIUS] ??= this.#state.start.paper[RADIUS] ?? 1e-3;
+    if (key === SHAPE && value === "cylinder") values[RADIUS] ??= this.#state.start.paper[RADIUS] ?? 1e-3;
+    const isFinite = isRounded(values) || WITHOUT_AXIS.includes(String(values[SHAPE]));
+    if ((key === TOP_RADIUS || key === SHAPE) && isFinite && values[PILLARS] === undefined) values[COLUMNS] ??= FEW_COLUMNS;
+    const wasAdded = values[COLUMNS] === FEW_COLUMNS && this.#state.start.case[COLUMNS] === undefined;
+    if ((key === TOP_RADIUS || key === SHAPE) && !isFinite && wasAdded) delete values[COLUMNS];
     if (key === LATTICE) Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
     if (values[PILLARS] !== undefined && value !== LISTED && key === LATTICE) {
       // Without a table the pattern is that of the first case, as far as it is not given.
@@ -347,9 +379,34 @@ export class Store {
       }
     }
     const isInfinite = this.#state.start.keys.some((known) => known.key === key && known.infinite);
+    if (key === FLAT && value !== "true") delete values[FLAT];
     const isEmptied = value === "" && (key === STRENGTHS || key === TIMES || key === WORK || key === RECEDING || isInfinite);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
+  }
+
+  /**
+   * Removes what belongs to pillars, or brings it back.
+   * @param {Values} values
+   * @param {boolean} isFlat
+   */
+  #makeFlat(values, isFlat) {
+    const { keys, case: first, paper } = this.#state.start;
+    const ofPillars = keys.filter(({ on_flat }) => !on_flat).map(({ key }) => key);
+    ofPillars.push(PILLARS);
+    if (isFlat) {
+      this.#pillars = {};
+      for (const key of ofPillars) {
+        if (values[key] !== undefined) this.#pillars[key] = values[key];
+        delete values[key];
+      }
+      if (!WITHOUT_AXIS.includes(String(values[SHAPE]))) return;
+      delete values[SHAPE];
+      values[RADIUS] ??= paper[RADIUS] ?? 1e-3;
+      return;
+    }
+    const source = [this.#pillars, first, paper].find((source) => ofPillars.some((key) => source[key] !== undefined)) ?? {};
+    for (const key of ofPillars) if (source[key] !== undefined) values[key] = source[key];
   }
 
   /** Cancels the question in progress. Results received so far stay. */
@@ -576,7 +633,44 @@ function rounded(value) {
 }
 
 /**
- * Whether pillar tops are adhesive.
+ * Whether the surface is flat, without pillars.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function isFlat(values) {
+  return String(values[FLAT] ?? "false") === "true";
+}
+
+/**
+ * Whether pillars have rounded tops.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function isRounded(values) {
+  return (values[TOP_RADIUS] ?? "") !== "";
+}
+
+/**
+ * Whether there is a critical state, to which loads are relative.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function hasCritical(values) {
+  return !isFlat(values) && !WITHOUT_AXIS.includes(String(values[SHAPE] ?? ""));
+}
+
+/**
+ * Whether pillars have flat tops and the lens reaches the floor among them: of these the page shows whole cycles, loads over time and phase
+ * diagrams.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function hasFlatTops(values) {
+  return hasCritical(values) && !isRounded(values);
+}
+
+/**
+ * Whether contacts are adhesive.
  * @param {Values} values
  * @returns {boolean}
  */
@@ -585,12 +679,21 @@ export function isAdhesive(values) {
 }
 
 /**
- * Whether the bodies are viscoelastic.
+ * Whether loading and unloading are shown step by step: of adhesive flat tops.
+ * @param {Values} values
+ * @returns {boolean}
+ */
+export function isCycle(values) {
+  return isAdhesive(values) && hasFlatTops(values);
+}
+
+/**
+ * Whether the bodies are viscoelastic and their contact is shown over time.
  * @param {Values} values
  * @returns {boolean}
  */
 export function isRelaxing(values) {
-  return [STRENGTHS, TIMES].every((key) => (values[key] ?? "") !== "");
+  return hasFlatTops(values) && [STRENGTHS, TIMES].every((key) => (values[key] ?? "") !== "");
 }
 
 /**
@@ -599,7 +702,7 @@ export function isRelaxing(values) {
  * @returns {boolean}
  */
 export function hasAdhesiveFloor(values) {
-  return isAdhesive(values) && String(values[ADHESIVE_FLOOR] ?? "false") === "true";
+  return isCycle(values) && String(values[ADHESIVE_FLOOR] ?? "false") === "true";
 }
 
 /**
@@ -705,7 +808,7 @@ export function isCritical(fraction) {
 export function floorCarriesLoad(values) {
   /** @type {(key: string, word: string) => boolean} */
   const isOf = (key, word) => (values[key] ?? word) === word;
-  return isOf(FLOOR, "true") && isOf("method.name", "spectral");
+  return isOf(FLOOR, "true") && isOf("method.name", "spectral") && !(isRounded(values) && isAdhesive(values));
 }
 
 /**
@@ -759,7 +862,7 @@ export function tableOf({ table }, values) {
  * @returns {number}
  */
 function within(load, values, { farthest_load }) {
-  const farthest = isAdhesive(values) ? LAST_RELEASE : farthest_load;
+  const farthest = isCycle(values) ? LAST_RELEASE : farthest_load;
   return Number.isFinite(load) ? Math.min(farthest, Math.max(0, load)) : 1;
 }
 
@@ -782,6 +885,9 @@ function newer(a, b) {
 function contactLine(state, { question: of, since }, line, now) {
   const known = knownCritical(state, of) !== null;
   if (line.progress) return { progress: { of, is: line.progress } };
+  if (line.reference) {
+    return { loadScale: { of, is: line.reference }, critical: null, criticalBefore: null, estimate: null };
+  }
   if (line.expected_cells) return { expected: { of, is: line.expected_cells } };
   if (line.curve || line.cycle || line.station || line.transition) return cycleLine(state, of, since, line, now);
   if (line.preview) {
@@ -801,27 +907,29 @@ function contactLine(state, { question: of, since }, line, now) {
     const before = state.picture;
     // This line was delayed, and the state with the floor has arrived already.
     if (before?.of.number === of.number && before.is.stage === "exact") return {};
-    const own = sceneOf(line.state);
+    const own = sceneOf({ ...line.state, summary: withPartial(line.state.summary) });
     const scene = isWithoutFloor(line.state) ? withFloorBefore(own, before?.is.scene ?? null) : own;
     /** @type {Of<Picture>} */
     const picture = { of, is: { stage: "pillars", scene } };
     // While the critical state itself is being solved, this state is the best estimate of it.
-    const estimate = isCritical(of.load) ? { of, is: line.state.summary } : state.estimate;
+    const isEstimate = isCritical(of.load) && line.state.fraction !== null;
+    const estimate = isEstimate ? { of, is: line.state.summary } : state.estimate;
     return { picture, estimate: known ? null : estimate, refusal: null };
   }
   if (line.state) {
-    const scene = sceneOf(line.state);
+    const solved = { ...line.state, summary: withPartial(line.state.summary) };
+    const scene = sceneOf(solved);
     const largest = state.largestForce;
     // The colour scale is kept while the load changes, and reset at the critical state.
     const continues = !isCritical(of.load) && largest?.of.name === of.name;
     const force = Math.max(continues ? largest.is : 0, largestForceOf(scene));
     return {
       picture: { of, is: { stage: "exact", scene } },
-      solved: { of, is: line.state },
+      solved: { of, is: solved },
       largestForce: { of, is: force },
       // In a cycle this is the critical state; the rest is still being solved.
-      cycle: isAdhesive(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
-      estimate: known ? null : state.estimate,
+      cycle: isCycle(of.case) && state.cycle?.of.number === of.number ? state.cycle : null,
+      estimate: known || !hasCritical(of.case) ? null : state.estimate,
       lastTime: now - since,
       refusal: null,
     };
@@ -830,15 +938,34 @@ function contactLine(state, { question: of, since }, line, now) {
     const { solved } = state;
     if (solved?.of.number !== of.number) return {};
     const warnings = line.warnings ?? solved.is.warnings;
-    return { solved: { of, is: { ...solved.is, summary: line.summary, warnings } } };
+    return { solved: { of, is: { ...solved.is, summary: withPartial(line.summary), warnings } } };
   }
   if (line.critical) {
-    const critical = { of, is: line.critical };
-    return { critical, estimate: null, ...(!known && { criticalBefore: state.critical }) };
+    const critical = { of, is: withPartial(line.critical) };
+    return { critical, loadScale: null, estimate: null, ...(!known && { criticalBefore: state.critical }) };
   }
   if (line.case) return { texts: { of, is: line.case } };
   if (line.section !== undefined) return { section: { of, is: line.section } };
   return {};
+}
+
+/**
+ * The summary of a state, whose numbers have the same names on all surfaces: relative errors, and pillars partially in contact. With rounded tops
+ * the error of the indentation is a length, and tops that are fully in contact are counted.
+ * @template {PressSummary | TransitionSummary} T
+ * @param {T} summary
+ * @returns {T}
+ */
+function withPartial(summary) {
+  const { pillars_in_contact: all, pillars_fully_in_contact: full, relative_error_estimate: error } = summary;
+  const indentation = "indentation_m" in summary ? summary.indentation_m : summary.critical_indentation_m;
+  const part = full === undefined ? summary.pillars_partially_in_contact : all - full;
+  const relative = error?.indentation ?? (error?.indentation_m === undefined ? null : error.indentation_m / Math.abs(indentation || 1));
+  return {
+    ...summary,
+    pillars_partially_in_contact: part,
+    relative_error_estimate: { ...error, force: error?.force ?? null, indentation: relative, contact_radius: error?.contact_radius ?? null },
+  };
 }
 
 /**
@@ -854,7 +981,7 @@ function cycleLine(state, of, since, line, now) {
   const critical = knownCritical(state, of);
   if (line.transition) {
     if (critical === null) return {};
-    return { phase: { of, is: { transition: line.transition, path: [], critical } } };
+    return { phase: { of, is: { transition: line.transition, path: [], unloading: [], critical } } };
   }
   const own = state.cycle?.of.number === of.number ? state.cycle.is : null;
   /** @type {Cycle} */
@@ -905,7 +1032,7 @@ function shownAt(cycle, load) {
  * @returns {PathState[]}
  */
 function loadingPath(cycle, critical) {
-  const unit = critical.normalized.force / critical.critical_force_N;
+  const unit = (critical.normalized?.force ?? NaN) / critical.critical_force_N;
   return cycle.summary.stations
     .filter(({ branch, force_N }) => branch === "loading" && force_N > 0)
     .map(({ indentation_m, force_N, contact_radius_m }) => ({
@@ -926,8 +1053,11 @@ function loadingPath(cycle, critical) {
 function phaseLine(state, of, line) {
   const critical = knownCritical(state, of);
   const phase = state.phase;
-  if (line.transition && critical !== null) {
-    return { phase: { of, is: { transition: line.transition, path: [], critical } } };
+  if (line.transition && (critical !== null || state.loadScale?.of.name === of.name)) {
+    return { phase: { of, is: { transition: line.transition, path: [], unloading: [], critical } } };
+  }
+  if (line.unloading && phase?.of.number === of.number) {
+    return { phase: { of, is: { ...phase.is, unloading: line.unloading } } };
   }
   if (line.path && phase?.of.number === of.number) {
     const path = [...phase.is.path, line.path].sort((a, b) => a.fraction - b.fraction);

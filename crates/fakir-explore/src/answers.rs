@@ -2,32 +2,22 @@
 //! phase diagram. All values are in SI units, with the unit in the name.
 
 use crate::clock::Moment;
-use crate::floor::FloorCells;
 use crate::lines;
 use crate::refusal::Refusal;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars, without_adhesion};
+use crate::shown::{Drawn, Shown, Stage, curve_method};
 use crate::worker::{Failure, Worker};
-use fakir::problem::{
-    Accuracy, Arrangement, Disorder, FloorModel, Load, Method, PlaneLattice, Point, System,
-};
-use fakir::state::{ContactState, CriticalState, Normalized, PillarStatus, Run};
+use fakir::problem::{Arrangement, Load, Method, Point, System};
+use fakir::state::{Contact, ContactState, Critical, CriticalState, Normalized};
 use fakir::theory::closed_forms;
 use fakir::theory::closed_forms::{Form, TransitionEstimate};
-use fakir_case::Case;
-use fakir_figure::{FigureError, SectionDetail};
-use fakir_study::record::{Object, of_floor};
-use fakir_study::result::{press, transition, warnings};
+use fakir_case::{AnyCase, Case};
+use fakir_study::record::Object;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Number of pillars beyond which an estimate is shown until the contact is solved.
-const PREVIEW_PILLARS: f64 = 800.0;
-
 /// Largest number of pillars in a background computation.
 const CURVE_PILLARS: f64 = 4000.0;
-
-/// Largest number of pillars in a background computation with floor contact.
-const FLOOR_PILLARS: f64 = 1500.0;
 
 /// Number of points of the exact curves, a power of two plus one.
 const CURVE_POINTS: usize = 33;
@@ -43,16 +33,16 @@ const PATH_FRACTIONS: [f64; 21] = [
 ];
 
 /// A critical state, a contact under another load, or both.
-pub(crate) struct Solved {
+pub(crate) struct Solved<C> {
     /// Critical state, and its computing time, s.
-    pub(crate) critical: Option<(CriticalState, f64)>,
+    pub(crate) critical: Option<(Critical<C>, f64)>,
     /// A state other than the critical one, and its computing time, s.
-    pub(crate) pressed: Option<(ContactState, f64)>,
+    pub(crate) pressed: Option<(C, f64)>,
 }
 
-impl Solved {
+impl<C> Solved<C> {
     /// Displayed state, and its computing time, s.
-    pub(crate) fn state(&self) -> Option<(&ContactState, f64)> {
+    pub(crate) fn state(&self) -> Option<(&C, f64)> {
         let critical = self.critical.as_ref().map(|(c, time)| (&c.contact, *time));
         let pressed = self.pressed.as_ref().map(|(state, time)| (state, *time));
         pressed.or(critical)
@@ -67,32 +57,30 @@ impl Solved {
     }
 }
 
-/// Receives an intermediate state, and its computing time, s.
-type Interim<'a> = dyn Fn(&ContactState, f64) + Sync + 'a;
-
 /// Solves a state before, at or past the critical state. `interim` receives intermediate states for
 /// display, and `found` the critical state; both with the computing time so far, s.
-pub(crate) fn solve(
-    case: &Case,
+pub(crate) fn solve<S: Shown>(
+    case: &S,
     load: LoadPoint,
     worker: &Worker,
-    interim: Option<&Interim<'_>>,
-    found: impl FnOnce(&CriticalState, f64),
-) -> Result<Solved, Failure> {
-    let known = load.critical_indentation_m;
-    let is_critical = load.is_critical();
+    interim: Option<&(dyn Fn(&S::Contact, f64) + Sync)>,
+    found: impl FnOnce(&Critical<S::Contact>, f64),
+) -> Result<Solved<S::Contact>, Failure> {
+    let known = match case.no_end() {
+        // Loads are relative to another indentation.
+        Some(_) => Some(case.reference()),
+        None => load.critical_indentation_m,
+    };
+    let is_critical = load.is_critical() && case.no_end().is_none();
     let start = Moment::now();
     let listener = interim
-        .map(|interim| move |state: &ContactState| interim(state, start.elapsed().as_secs_f64()));
+        .map(|interim| move |state: &S::Contact| interim(state, start.elapsed().as_secs_f64()));
     let listener = listener
         .as_ref()
-        .map(|it| it as &(dyn Fn(&ContactState) + Sync));
-    let with = |is_shown: bool| Run {
-        interim: listener.filter(|_| is_shown),
-        ..worker.run()
-    };
+        .map(|it| it as &(dyn Fn(&S::Contact) + Sync));
     let critical = if is_critical || known.is_none() {
-        let critical = fakir::transition(&case.system, case.method, &with(is_critical))?;
+        let listener = listener.filter(|_| is_critical);
+        let critical = case.find_critical(worker, listener)?;
         let wall_time = start.elapsed().as_secs_f64();
         found(&critical, wall_time);
         Some((critical, wall_time))
@@ -100,56 +88,48 @@ pub(crate) fn solve(
         None
     };
     let target = match &critical {
-        Some((critical, _)) => critical.contact.indentation,
+        Some((critical, _)) => critical.contact.indentation(),
         None => known.unwrap_or_default(),
     };
     let pressed = if is_critical {
         None
     } else {
         let control = Load::Indentation(indentation(case, target, load.fraction));
-        let state = fakir::press(&case.system, control, case.method, &with(true))?;
+        let state = case.find_contact(control, worker, listener)?;
         Some((state, start.elapsed().as_secs_f64()))
     };
     Ok(Solved { critical, pressed })
 }
 
-/// Whether the floor is in contact under a load.
-fn meets_floor(case: &Case, load: LoadPoint) -> bool {
-    floor_carries_load(case) && load.fraction > 1.0
-}
-
-/// Whether the floor carries load past the transition and its force is computed.
-pub(crate) fn floor_carries_load(case: &Case) -> bool {
-    let applies = case.system.floor_model() == FloorModel::Contact;
-    matches!(case.method, Method::Spectral(_)) && applies
-}
-
 /// Indentation, m, at a fraction of the path from first contact to the critical state.
-pub(crate) fn indentation(case: &Case, critical: f64, fraction: f64) -> f64 {
-    let touch = first_touch(case);
+pub(crate) fn indentation<S: Shown>(case: &S, critical: f64, fraction: f64) -> f64 {
+    let touch = case.touch();
     let touch = if touch < critical { touch } else { 0.0 };
     touch + fraction * (critical - touch)
 }
 
 /// Fraction of the path from first contact to the critical state at an indentation, m; 0 before contact.
 pub(crate) fn position(case: &Case, critical: f64, indentation: f64) -> f64 {
-    let touch = first_touch(case);
+    let touch = case.touch();
     let touch = if touch < critical { touch } else { 0.0 };
     ((indentation - touch) / (critical - touch)).max(0.0)
-}
-
-/// Indentation, m, at which the nearest pillar comes into contact.
-fn first_touch(case: &Case) -> f64 {
-    let system = &case.system;
-    if case.method == Method::Homogenised {
-        return 0.0;
-    }
-    system.first_touch()
 }
 
 #[derive(Serialize)]
 pub(crate) struct CriticalLine {
     pub(crate) critical: Object,
+}
+
+/// The indentation to which loads are relative where there is no critical state, m, and why there is none.
+#[derive(Serialize)]
+struct ReferenceLine {
+    reference: Reference,
+}
+
+#[derive(Serialize)]
+struct Reference {
+    indentation_m: f64,
+    why: &'static str,
 }
 
 #[derive(Serialize)]
@@ -159,37 +139,42 @@ pub(crate) struct StateLine {
 
 impl StateLine {
     /// Critical state of a cycle, with its computing time in seconds.
-    pub(crate) fn of_critical(state: &ContactState, wall_time: f64) -> Self {
+    pub(crate) fn of_critical(case: &Case, state: &ContactState, wall_time: f64) -> Self {
+        Self::of(case, state, wall_time, Stage::Requested, Some(1.0))
+    }
+
+    /// A state of a load. The errors of an intermediate one are not known yet.
+    fn of<S: Shown>(
+        case: &S,
+        contact: &S::Contact,
+        wall_time: f64,
+        stage: Stage,
+        fraction: Option<f64>,
+    ) -> Self {
         Self {
-            state: drawn(state, wall_time, 1.0, false),
+            state: State {
+                approximate: stage != Stage::Requested,
+                fraction: fraction.filter(|_| stage != Stage::OnTheWay),
+                summary: case.summary(contact, wall_time),
+                drawn: case.drawn(contact),
+                warnings: case.warnings(contact),
+            },
         }
     }
 }
 
 /// A state for display.
 #[derive(Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
 struct State {
-    /// Estimate by the punch lattice, or for the pillar tops alone, until the complete state is
+    /// Estimate by the punch lattice, for the pillar tops alone, or for a smaller load, until the complete state is
     /// solved.
     approximate: bool,
-    /// Fraction of the path to the critical state.
-    fraction: f64,
+    /// Fraction of the path to the critical state; `None` if that is not known.
+    fraction: Option<f64>,
     /// The errors are `null` if the state is sent before they are estimated; a [`SummaryLine`] follows.
     summary: Object,
-    normalized: [f64; 3],
-    pitch_m: f64,
-    diameter_m: f64,
-    lattice: DrawnLattice,
-    /// Lattice indices of the pillars in contact, in a flat list.
-    pillars: Vec<i64>,
-    pillar_forces_N: Vec<f64>,
-    /// One letter for every pillar: `f` for full, `p` for partial contact.
-    pillar_statuses: String,
-    /// First floor contact with its symmetric copies; empty if the floor carries load.
-    floor_contacts_m: Vec<Point>,
-    /// Floor cells in contact, if the floor carries load.
-    floor: Option<FloorCells>,
+    #[serde(flatten)]
+    drawn: Drawn,
     warnings: Vec<String>,
 }
 
@@ -198,28 +183,6 @@ struct State {
 struct SummaryLine {
     summary: Object,
     warnings: Vec<String>,
-}
-
-#[derive(Serialize)]
-struct PreviewLine {
-    preview: Preview,
-}
-
-/// The same by the homogenised lattice, with an error of one or two per cent, in a few ms:
-/// displayed until the state is solved. Forces on pillars are approximated by `F_n = F_0 sqrt(1 -
-/// (r_n/a)^2)`.
-#[derive(Serialize)]
-#[allow(non_snake_case)] // names end in the symbol of the unit
-struct Preview {
-    fraction: f64,
-    critical_force_N: f64,
-    critical_indentation_m: f64,
-    critical_contact_radius_m: f64,
-    force_N: f64,
-    contact_radius_m: f64,
-    pitch_m: f64,
-    diameter_m: f64,
-    lattice: DrawnLattice,
 }
 
 #[derive(Serialize)]
@@ -258,217 +221,60 @@ pub(crate) struct CaseLine {
 
 /// `POST /api/contact`
 pub(crate) fn contact(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
-    preview(&case, request.load, worker);
-    let fraction = request.load.fraction;
+    match request::any_case(&request.case, request.table.as_ref())? {
+        AnyCase::Pillars(case) => contact_of(&*case, request.load, worker),
+        AnyCase::Asperities(case) => contact_of(&*case, request.load, worker),
+        AnyCase::Flat(case) => contact_of(&*case, request.load, worker),
+        AnyCase::HeightMap(_) => Err(request::on_a_height_map().into()),
+    }
+}
+
+fn contact_of<S: Shown>(case: &S, load: LoadPoint, worker: &Worker) -> Result<(), Failure> {
+    if let Some(why) = case.no_end() {
+        let indentation_m = case.reference();
+        let reference = Reference { indentation_m, why };
+        worker.send(&ReferenceLine { reference });
+    }
+    case.preview(load, worker);
     let shown = AtomicBool::new(false);
-    let meets_floor = meets_floor(&case, request.load);
-    let show = |state: &ContactState, wall_time: f64| {
-        let approximate = state.method != case.method || (meets_floor && state.floor.is_none());
-        if !approximate {
+    let show = |state: &S::Contact, wall_time: f64| {
+        let stage = case.stage(state, load);
+        if stage == Stage::Requested {
             shown.store(true, Ordering::Relaxed);
         }
-        worker.send(&StateLine {
-            state: drawn(state, wall_time, fraction, approximate),
-        });
+        let fraction = Some(load.fraction);
+        let mut line = StateLine::of(case, state, wall_time, stage, fraction);
+        // Those of the final state follow.
+        line.state.warnings.clear();
+        worker.send(&line);
     };
-    let solved = solve(
-        &case,
-        request.load,
-        worker,
-        Some(&show),
-        |critical, wall_time| {
-            worker.send(&CriticalLine {
-                critical: transition(critical, None, None, wall_time),
-            });
-        },
-    )?;
+    let solved = solve(case, load, worker, Some(&show), |critical, wall_time| {
+        worker.send(&CriticalLine {
+            critical: case.critical(critical, wall_time),
+        });
+    })?;
     let Some((state, wall_time)) = solved.state() else {
         return Err(Failure::Cancelled);
     };
     if shown.load(Ordering::Relaxed) {
         worker.send(&SummaryLine {
-            summary: press(state, None, None, wall_time),
-            warnings: warnings(state),
+            summary: case.summary(state, wall_time),
+            warnings: case.warnings(state),
         });
     } else {
         // Sends the result, whatever it is.
-        worker.send(&StateLine {
-            state: drawn(state, wall_time, fraction, false),
-        });
+        let (stage, fraction) = (Stage::Requested, Some(load.fraction));
+        worker.send(&StateLine::of(case, state, wall_time, stage, fraction));
     }
-    let pressed = solved.pressed.as_ref().map(|(state, _)| state.indentation);
+    let pressed = solved.pressed.as_ref();
     worker.send(&CaseLine {
-        case: lines::texts(&case, pressed),
+        case: case.texts(pressed.map(|(state, _)| state.indentation())),
     });
     worker.send(&SectionLine {
-        section: section(
-            state,
-            fakir_figure::Section::half_width(state),
-            solved.floor_contact(),
-            worker,
-        )?,
+        section: case.section(state, solved.floor_contact(), worker)?,
     });
     Ok(())
-}
-
-/// Sends a preview if solving takes long enough.
-pub(crate) fn preview(case: &Case, load: LoadPoint, worker: &Worker) {
-    let system = &case.system;
-    if expected_pillars(system) < PREVIEW_PILLARS || case.method == Method::Homogenised {
-        return;
-    }
-    let run = worker.run();
-    // Without a preview if the homogenised lattice does not apply.
-    let Ok(critical) = fakir::transition(system, Method::Homogenised, &run) else {
-        return;
-    };
-    let critical = critical.contact;
-    let state = if load.is_critical() {
-        critical.clone()
-    } else {
-        let indentation = indentation(case, critical.indentation, load.fraction);
-        match fakir::press(
-            system,
-            Load::Indentation(indentation),
-            Method::Homogenised,
-            &run,
-        ) {
-            Ok(state) => state,
-            Err(_) => return,
-        }
-    };
-    worker.send(&PreviewLine {
-        preview: Preview {
-            fraction: load.fraction,
-            critical_force_N: critical.force,
-            critical_indentation_m: critical.indentation,
-            critical_contact_radius_m: critical.contact_radius,
-            force_N: state.force,
-            contact_radius_m: state.contact_radius,
-            pitch_m: system.pitch(),
-            diameter_m: system.pillar().diameter,
-            lattice: drawn_lattice(system, critical.contact_radius),
-        },
-    });
-}
-
-fn drawn(state: &ContactState, wall_time: f64, fraction: f64, approximate: bool) -> State {
-    let system = &state.system;
-    let floor = state.smallest_gap_position;
-    let reduced = Normalized::new(system, state.force, state.contact_radius, state.indentation);
-    State {
-        approximate,
-        fraction,
-        summary: press(state, None, None, wall_time),
-        normalized: [reduced.force, reduced.contact_radius, reduced.indentation],
-        pitch_m: system.pitch(),
-        diameter_m: system.pillar().diameter,
-        lattice: drawn_lattice(system, state.whole_contact_radius()),
-        pillars: indices(state),
-        pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
-        pillar_statuses: state
-            .pillars
-            .iter()
-            .map(|pillar| match pillar.status {
-                PillarStatus::Partial => 'p',
-                _ => 'f',
-            })
-            .collect(),
-        floor_contacts_m: match state.floor {
-            None => system.symmetric_copies(floor),
-            Some(_) => Vec::new(),
-        },
-        floor: state.floor.as_ref().map(FloorCells::new),
-        warnings: warnings(state),
-    }
-}
-
-/// Lattice indices of the pillars in contact, in a flat list.
-pub(crate) fn indices(state: &ContactState) -> Vec<i64> {
-    let pillars = state.pillars.iter();
-    pillars
-        .flat_map(|pillar| [pillar.index.0, pillar.index.1])
-        .collect()
-}
-
-/// Positions of the pillars of a lattice: `(i, j)` at `origin + i a + j b`.
-#[derive(Serialize)]
-pub(crate) struct DrawnLattice {
-    /// `a` and `b`.
-    vectors_m: [Point; 2],
-    origin_m: Point,
-    /// First index and end along both directions, if the lattice is finite.
-    range: Option<[i64; 2]>,
-    /// Indices of missing pillars in view, in a flat list.
-    missing: Vec<i64>,
-    /// Position and diameter of each pillar of a table, m, whose index is (i, 0).
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    listed: Vec<[f64; 3]>,
-}
-
-/// Radius within which missing pillars are sent, in multiples of the contact radius or the pitch.
-const VIEW: f64 = 3.0;
-
-/// The lattice with the missing pillars around a contact of the given radius (m).
-pub(crate) fn drawn_lattice(system: &System, contact_radius: f64) -> DrawnLattice {
-    let (vectors, origin, cut) = match system.arrangement() {
-        Arrangement::Lattice(lattice) => (lattice.vectors(), lattice.origin(), Some(lattice)),
-        Arrangement::Hexagonal(lattice) => {
-            let vectors = [lattice.lattice_vector(1, 0), lattice.lattice_vector(0, 1)];
-            (vectors, lattice.centre(0, 0), None)
-        }
-        _ => ([[0.0; 2]; 2], [0.0; 2], None),
-    };
-    let gappy = cut.filter(|lattice| lattice.disorder.missing > 0.0);
-    let missing = gappy.map_or(Vec::new(), |lattice| {
-        let radius = VIEW * contact_radius.max(2.0 * system.pitch());
-        let whole = PlaneLattice {
-            disorder: Disorder::default(),
-            ..*lattice
-        };
-        let all = system.with_arrangement(whole).ok();
-        let pillars = all.map_or(Vec::new(), |system| system.pillars_within(radius));
-        let indices = pillars.into_iter().map(|pillar| pillar.index);
-        indices
-            .filter(|index| lattice.disorder.height_ratio(*index).is_none())
-            .flat_map(|(i, j)| [i, j])
-            .collect()
-    });
-    let listed = match system.arrangement() {
-        Arrangement::Listed(list) => {
-            let pillars = list.pillars().iter();
-            pillars
-                .map(|pillar| [pillar.centre[0], pillar.centre[1], pillar.diameter])
-                .collect()
-        }
-        _ => Vec::new(),
-    };
-    DrawnLattice {
-        listed,
-        vectors_m: vectors,
-        origin_m: origin,
-        range: cut.and_then(PlaneLattice::ends),
-        missing,
-    }
-}
-
-/// Section of the displayed state, with the given half-width (m); `None` for methods that do not resolve
-/// it.
-pub(crate) fn section(
-    state: &ContactState,
-    half_width: f64,
-    floor_contact: Option<Point>,
-    worker: &Worker,
-) -> Result<Option<Section>, Failure> {
-    let detail = SectionDetail::Screen;
-    let run = worker.run();
-    match fakir_figure::Section::new(state, half_width, floor_contact, detail, &run) {
-        Ok(section) => Ok(Some(section.into())),
-        Err(FigureError::NoPillars { .. }) => Ok(None),
-        Err(error) => Err(error.into()),
-    }
 }
 
 /// A point of a curve.
@@ -611,14 +417,6 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     Ok(())
 }
 
-/// Boundary elements take too long for a whole curve.
-fn curve_method(method: Method) -> Method {
-    match method {
-        Method::Love(_) | Method::Spectral(_) => Method::Spectral(Accuracy::Default),
-        other => other,
-    }
-}
-
 /// Numbers equally spaced on a logarithmic scale, including both ends.
 fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
     let steps = count.saturating_sub(1) as f64;
@@ -643,6 +441,8 @@ enum PhaseLine {
     Transition(Vec<[f64; 2]>),
     /// A state of the loading.
     Path(PathState),
+    /// Indentation, m, and force, N, on unloading from the critical state, or from the reference.
+    Unloading(Vec<[f64; 2]>),
 }
 
 /// A state of the loading for curves.
@@ -655,8 +455,8 @@ struct PathState {
     force_N: f64,
     /// Floor force; `None` if floor contact is ignored.
     floor_force_N: Option<f64>,
-    /// `a/e` and `F gamma_int/(h d)`, for the phase diagram.
-    normalized: [f64; 2],
+    /// `a/e` and `F gamma_int/(h d)`, for the phase diagram; `None` for other surfaces.
+    normalized: Option<[f64; 2]>,
 }
 
 /// A point in the phase diagram: `a/e` and `F gamma_int/(h d)`.
@@ -667,7 +467,11 @@ fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
 
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
-    // It is a closed form, which applies only to the infinite hexagonal lattice on half-spaces.
+    PhaseLine::Transition(transition_curve(system))
+}
+
+/// Points of the transition curve of the phase diagram. It is a closed form, which applies only to the infinite hexagonal lattice on half-spaces.
+pub(crate) fn transition_curve(system: &System) -> Vec<[f64; 2]> {
     let known = system.hexagonal_lattice().is_some() && !system.has_layers();
     let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
     let curve = ratios.into_iter().map(|ratio| {
@@ -675,50 +479,57 @@ pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
         let force = closed_forms::transition_force(system, radius);
         reduced(system, force, radius)
     });
-    PhaseLine::Transition(curve.collect())
+    curve.collect()
 }
 
 /// `POST /api/phase`: the transition curve, and the loading of the case, also past the critical
 /// state.
 pub(crate) fn phase(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
-    let system = &case.system;
-    worker.send(&transition_line(system));
+    let critical = request.load.critical_indentation_m;
+    match request::any_case(&request.case, request.table.as_ref())? {
+        AnyCase::Pillars(case) => phase_of(&*case, critical, worker),
+        AnyCase::Asperities(case) => phase_of(&*case, critical, worker),
+        AnyCase::Flat(case) => phase_of(&*case, critical, worker),
+        AnyCase::HeightMap(_) => Err(request::on_a_height_map().into()),
+    }
+}
+
+fn phase_of<S: Shown>(case: &S, critical: Option<f64>, worker: &Worker) -> Result<(), Failure> {
+    worker.send(&PhaseLine::Transition(case.transition_curve()));
     let run = worker.run();
-    let method = curve_method(case.method);
-    let critical = match request.load.critical_indentation_m {
+    let case = &case.of_curves();
+    let critical = match critical {
+        _ if case.no_end().is_some() => case.reference(),
         Some(critical) => critical,
         None => {
             worker.give_way()?;
-            fakir::transition(system, method, &run)?.contact.indentation
+            case.transition(&run)?.contact.indentation()
         }
     };
-    // The same method as for displayed states: only the spectral method supports the floor.
-    let system = &match floor_carries_load(&case) {
-        true => system.clone(),
-        false => system.with_floor(FloorModel::Ignored),
-    };
-    let pillars = expected_pillars(system);
     for fraction in PATH_FRACTIONS {
-        if floor_carries_load(&case) && fraction > 1.0 && fraction * pillars > FLOOR_PILLARS {
+        if case.is_slow_at(fraction) {
             continue;
         }
         worker.give_way()?;
-        let load = Load::Indentation(indentation(&case, critical, fraction));
-        match fakir::press(system, load, method, &run) {
-            Ok(state) => {
-                worker.send(&PhaseLine::Path(PathState {
-                    fraction,
-                    indentation_m: state.indentation,
-                    force_N: state.force,
-                    floor_force_N: of_floor(&state, |floor| floor.force),
-                    normalized: reduced(system, state.force, state.contact_radius),
-                }));
-            }
+        let load = Load::Indentation(indentation(case, critical, fraction));
+        match case.point_of_curve(load, fraction, &run) {
+            Ok(state) => worker.send(&PhaseLine::Path(PathState {
+                fraction,
+                indentation_m: state.indentation(),
+                force_N: state.force(),
+                floor_force_N: case.floor_force(&state),
+                normalized: case
+                    .normalized(&state)
+                    .map(|[force, radius, _]| [radius, force]),
+            })),
             Err(fakir::state::SolveError::Interrupted) => return Err(Failure::Cancelled),
             Err(_) => {}
         }
+    }
+    let end = indentation(case, critical, 1.0);
+    if let Some(unloading) = case.unloading(end, worker)? {
+        worker.send(&PhaseLine::Unloading(unloading));
     }
     Ok(())
 }

@@ -1,11 +1,12 @@
 //! Loading and unloading with adhesion: sends the curve while it is computed, then states along it, so that the page can move back and
 //! forth without another request.
 
-use crate::answers::{self, CaseLine, CriticalLine, DrawnLattice, Section, SectionLine, StateLine};
+use crate::answers::{self, CaseLine, CriticalLine, Section, SectionLine, StateLine};
 use crate::clock::Moment;
 use crate::floor::{ExpectedCells, FloorCells};
 use crate::refusal::Refusal;
 use crate::request::{self, without_adhesion};
+use crate::shown::{self, DrawnLattice};
 use crate::worker::{Failure, Way, Worker};
 use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{
@@ -460,12 +461,12 @@ impl<'a> Page<'a> {
         let critical = CriticalState::new(contact.clone());
         self.report_critical(&critical, wall_time);
         self.report_texts();
-        let state = StateLine::of_critical(contact, wall_time);
+        let state = StateLine::of_critical(self.case, contact, wall_time);
         self.worker.send(&state);
         let half_width = Cut::half_width(contact);
         let touched = Some(critical.floor_contact);
         // There is none if the computation was cancelled.
-        if let Ok(section) = answers::section(contact, half_width, touched, self.worker) {
+        if let Ok(section) = shown::section(contact, half_width, touched, self.worker) {
             self.worker.send(&SectionLine { section });
         }
     }
@@ -507,13 +508,13 @@ struct CurveStation {
 
 #[derive(Serialize)]
 struct CycleLine<'a> {
-    cycle: Shown<'a>,
+    cycle: DrawnCycle<'a>,
 }
 
 /// A cycle for display.
 #[derive(Serialize)]
 #[allow(non_snake_case)] // names end in the symbol of the unit
-struct Shown<'a> {
+struct DrawnCycle<'a> {
     /// As `fakir cycle --json` prints it.
     summary: &'a CycleSummary,
     /// Critical force without adhesion.
@@ -570,7 +571,7 @@ struct PartialTop {
 pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Failure> {
     let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
-    answers::preview(
+    shown::preview(
         &without_adhesion(&case),
         request::LoadPoint::default(),
         worker,
@@ -585,7 +586,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
     let states = || solved.kept.values();
     let forces = || states().flat_map(|kept| kept.pillars.iter().map(|pillar| pillar.force));
     worker.send(&CycleLine {
-        cycle: Shown {
+        cycle: DrawnCycle {
             summary: &CycleSummary::new(&solved.cycle, solved.wall_time),
             critical_force_without_adhesion_N: without.force,
             states: solved.kept.len(),
@@ -593,7 +594,7 @@ pub(crate) fn cycle(request: &request::AtLoad, worker: &Worker) -> Result<(), Fa
             largest_pull_N: forces().fold(0.0, f64::min),
             pitch_m: system.pitch(),
             diameter_m: system.pillar().diameter,
-            lattice: answers::drawn_lattice(system, solved.cycle.turn.contact_radius),
+            lattice: shown::drawn_lattice(system, solved.cycle.turn.contact_radius),
         },
     });
     page.report_texts();
@@ -618,13 +619,13 @@ fn station_state(
     Ok(LoadStepState {
         place,
         load,
-        pillars: answers::indices(&state),
+        pillars: shown::indices(&state),
         pillar_forces_N: state.pillars.iter().map(|pillar| pillar.force).collect(),
         parts: parts(solved, place, &state),
         floor_contacts_m: floor_contact
             .map_or_else(Vec::new, |point| state.system.symmetric_copies(point)),
         floor: state.floor.as_ref().map(FloorCells::new),
-        section: answers::section(&state, half_width, floor_contact, worker)?,
+        section: shown::section(&state, half_width, floor_contact, worker)?,
     })
 }
 

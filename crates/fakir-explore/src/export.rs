@@ -6,16 +6,16 @@ use crate::hold::{self, Held};
 use crate::lines::hold_texts;
 use crate::refusal::Refusal;
 use crate::request::{self, LoadPoint};
+use crate::shown::Shown;
 use crate::worker::{Failure, File, Worker};
 use fakir::problem::{Load, Point};
-use fakir::state::{ContactState, Run};
-use fakir_case::{Case, Key};
+use fakir::state::{Contact, ContactState, Run};
+use fakir_case::{AnyCase, Case, Key};
 use fakir_figure::{
-    Figure, FigureError, PhaseDiagram, ProfileState, Series, Style, Text, View, cycle_curve,
-    floor_gap_map, phase_diagram, phase_point, pressure_map, profiles, release_map, top_view,
+    Figure, PhaseDiagram, Series, Style, Text, cycle_curve, phase_diagram, phase_point, release_map,
 };
 use fakir_study::citations::Topic;
-use fakir_study::figures::{history_figure, question_in_figure};
+use fakir_study::figures::history_figure;
 use fakir_study::provenance::{Provenance, method_words};
 use fakir_study::record::Record;
 use fakir_study::result::{
@@ -42,8 +42,13 @@ const PNG: &str = "image/png";
 /// `POST /api/export`: `case.toml`, `summary.json`, `pillars.csv`, or a figure such as
 /// `pressure-map.svg` or `profiles.png`.
 pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), Failure> {
-    let case = request::case(&request.case, request.table.as_ref())?;
     request.load.check()?;
+    let case = match request::any_case(&request.case, request.table.as_ref())? {
+        AnyCase::Pillars(case) => *case,
+        AnyCase::Asperities(case) => return contact_file(&*case, request, worker),
+        AnyCase::Flat(case) => return contact_file(&*case, request, worker),
+        AnyCase::HeightMap(_) => return Err(request::on_a_height_map().into()),
+    };
     let (name, extension) = request.file.rsplit_once('.').unwrap_or_default();
     let file = match (name, extension) {
         ("case", "toml") => File {
@@ -82,6 +87,58 @@ pub(crate) fn export(request: &request::Export, worker: &Worker) -> Result<(), F
                     FIGURES.join(", "),
                     CYCLE_FIGURES.join(", ")
                 ))
+                .into());
+        }
+    };
+    worker.send_file(file);
+    Ok(())
+}
+
+/// A file of a contact on another surface than pillars with flat tops.
+fn contact_file<S: Shown>(
+    case: &S,
+    request: &request::Export,
+    worker: &Worker,
+) -> Result<(), Failure> {
+    let (name, extension) = request.file.rsplit_once('.').unwrap_or_default();
+    let (method, topics, text) = case.provenance();
+    if request.file == "case.toml" {
+        worker.send_file(File {
+            kind: TOML,
+            contents: text.into_bytes(),
+        });
+        return Ok(());
+    }
+    let solved = solve(case, request.load, worker, None, |_, _| {})?;
+    let (state, wall_time) = solved.state().ok_or(Failure::Cancelled)?;
+    let file = match (name, extension) {
+        ("summary", "json") => {
+            let object = match (&solved.pressed, &solved.critical) {
+                (None, Some((critical, time))) => case.critical(critical, *time),
+                _ => case.summary(state, wall_time),
+            };
+            File {
+                kind: JSON,
+                contents: format!("{}\n", json(&object)).into_bytes(),
+            }
+        }
+        ("pillars", "csv") => File {
+            kind: CSV,
+            contents: case.pillar_table(state).ok_or_else(no_pillars)?,
+        },
+        (name, "svg" | "png") => {
+            let question = match &solved.pressed {
+                None => "critical state".to_owned(),
+                Some((state, _)) => control_words(Load::Indentation(state.indentation())),
+            };
+            let floor_contact = solved.floor_contact();
+            let figure = case.figure(name, &question, state, floor_contact, &worker.run())?;
+            let stamp = Provenance::new(question, method, &topics, text).stamp();
+            picture(&figure.with_provenance(&stamp), extension)
+        }
+        _ => {
+            return Err(Refusal::impossible("there is no such file")
+                .at("file")
                 .into());
         }
     };
@@ -141,7 +198,7 @@ fn picture(figure: &Figure, extension: &str) -> File {
 
 /// Data of a file.
 enum Answer {
-    Contact(Box<Solved>),
+    Contact(Box<Solved<ContactState>>),
     /// Loading and unloading with adhesion, and the contact at a load.
     Cycle(Box<SolvedCycle>, Box<ContactState>, LoadPoint),
 }
@@ -227,41 +284,19 @@ fn figure(name: &str, case: &Case, solved: &Answer, run: &Run<'_>) -> Result<Fig
                 .at(Key::WorkOfAdhesion.path())
                 .into());
         }
-        _ => contact_figure(name, case, solved, run),
+        _ => {
+            let Some(state) = solved.state() else {
+                return Err(Failure::Cancelled);
+            };
+            let (question, floor_contact) = (solved.question(), solved.floor_contact());
+            return case.figure(name, &question, state, floor_contact, run);
+        }
     };
     Ok(figure?)
 }
 
-fn contact_figure(
-    name: &str,
-    case: &Case,
-    solved: &Answer,
-    run: &Run<'_>,
-) -> Result<Figure, FigureError> {
-    let Some(state) = solved.state() else {
-        return Err(FigureError::NoPillars {
-            method: case.method.name(),
-        });
-    };
-    let floor_contact = solved.floor_contact();
-    match name {
-        "profiles" => {
-            let section = ProfileState {
-                label: question_in_figure(&solved.question()),
-                state,
-                floor_contact,
-            };
-            profiles(&[section], run)
-        }
-        "top-view" => top_view(state, View::Contact, run),
-        "floor-gap-map" => floor_gap_map(state, run),
-        "phase-diagram" => Ok(phase(case, state)),
-        _ => pressure_map(state, floor_contact),
-    }
-}
-
 /// The phase diagram with the displayed state.
-fn phase(case: &Case, state: &ContactState) -> Figure {
+pub(crate) fn phase(case: &Case, state: &ContactState) -> Figure {
     let fraction = case.system.pattern().surface_fraction();
     let label = format!("*φ* = {fraction:.4}");
     phase_diagram(&PhaseDiagram {

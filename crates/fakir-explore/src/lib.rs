@@ -48,6 +48,7 @@ mod lines;
 mod read;
 mod refusal;
 mod request;
+mod shown;
 mod start;
 mod surface;
 mod worker;

@@ -20,6 +20,32 @@ pub(crate) fn texts(case: &Case, indentation: Option<f64>) -> Texts {
     Texts::of(case, Question::Contact(indentation))
 }
 
+/// The same for a case that `fakir init` cannot begin: from the saved case file.
+pub(crate) fn saved_texts(toml: String, indentation: Option<f64>) -> Texts {
+    let question = Question::Contact(indentation);
+    Texts {
+        toml,
+        command: saved_command(question, ""),
+        python: match indentation {
+            None => format!("{SAVED}critical = case.transition()\nprint(critical)\n"),
+            Some(indentation) => format!(
+                "{SAVED}state = case.press(indentation=\"{}\")\nprint(state)\n",
+                format_quantity(indentation, Dimension::Length)
+            ),
+        },
+    }
+}
+
+/// Python code that reads the saved case file.
+const SAVED: &str =
+    "import fakir\n\ncase = fakir.read_case(\"fakir-case.toml\")  # the saved case file\n";
+
+/// The command for the saved case file.
+fn saved_command(question: Question, beside: &str) -> String {
+    let question = question.command().replace("case.toml", "fakir-case.toml");
+    format!("# the saved case file{beside}\n{question}\n")
+}
+
 /// For a cycle of loading and unloading.
 pub(crate) fn cycle_texts(case: &Case) -> Texts {
     Texts::of(case, Question::Cycle)
@@ -116,6 +142,12 @@ fn python_relaxation(case: &Case) -> String {
 /// fails if a file with that name, possibly of another case, exists.
 fn command(case: &Case, question: Question) -> String {
     let example = Case::example();
+    if case.system.arrangement().name() == "listed" {
+        return saved_command(question, ", beside the table of pillars");
+    }
+    if case.system.lens().sphere().is_none() {
+        return saved_command(question, "");
+    }
     let question = question.command();
     let changes = Key::ALL.into_iter().filter_map(|key| {
         let value = case.value(key)?;
@@ -123,10 +155,6 @@ fn command(case: &Case, question: Question) -> String {
         let same = example.value(key).as_ref() == Some(&value);
         (!same).then(|| format!(" \\\n    --set {}", argument(key, &value)))
     });
-    if case.system.arrangement().name() == "listed" {
-        let question = question.replace("case.toml", "fakir-case.toml");
-        return format!("# the saved case file, beside the table of pillars\n{question}\n");
-    }
     let changes: String = changes.collect();
     format!("fakir init case.toml &&\n{question}{changes}\n")
 }
@@ -142,7 +170,7 @@ fn argument(key: Key, value: &str) -> String {
 
 /// The equivalent Python code. The pillars of a table are those of the case file.
 fn python(case: &Case, question: Question) -> String {
-    if case.system.arrangement().name() == "listed" {
+    if case.system.arrangement().name() == "listed" || case.system.lens().sphere().is_none() {
         return listed(case, question);
     }
     let [lens, substrate, pattern, pillar, method] =
@@ -191,7 +219,7 @@ fn python(case: &Case, question: Question) -> String {
     )
 }
 
-/// Python code with the pillars of a table, which the saved case file names.
+/// Python code for a case that the saved case file describes: the pillars of a table, or another lens than a sphere.
 fn listed(case: &Case, question: Question) -> String {
     let method = arguments(case, "method");
     let question = match question {
@@ -206,8 +234,12 @@ fn listed(case: &Case, question: Question) -> String {
         // The relaxation is part of the case file.
         Question::Hold(hold) => python_hold(&hold, ""),
     };
+    let beside = match case.system.arrangement().name() {
+        "listed" => ", beside the table",
+        _ => "",
+    };
     format!(
-        "import fakir\n\nsystem = fakir.System.from_file(\"fakir-case.toml\")  # the saved case file, beside the table\n{question}"
+        "import fakir\n\nsystem = fakir.System.from_file(\"fakir-case.toml\")  # the saved case file{beside}\n{question}"
     )
 }
 

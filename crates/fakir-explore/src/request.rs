@@ -5,12 +5,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use fakir::numerics::roots::{self, Point};
 use fakir::problem::{
-    Arrangement, Base, HexagonalLattice, Load, PillarList, Point as Point2, System,
+    Arrangement, Base, HexagonalLattice, LensForm, Load, PlaneLattice, Point as Point2, Question,
+    ShapedLens, System,
 };
 use fakir::solve::homogenised;
 use fakir_case::table_text::unpack_table;
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{Case, CaseFile, Key, Kind, Setting};
+use fakir_case::{AnyCase, AsperityCase, Case, CaseFile, Key, Kind, Setting, SurfaceKind};
 use fakir_study::history::HistoryCourse;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -26,6 +27,9 @@ const LONGEST_LIST: usize = 4000;
 
 /// Largest number of pillars in a computation; more would take minutes.
 pub(crate) const MOST_PILLARS: f64 = 20_000.0;
+
+/// Largest number of rounded tops in contact: seconds.
+const MOST_TOPS: usize = 300;
 
 /// Largest number of pillars in a table.
 const MOST_LISTED: f64 = 5_000.0;
@@ -235,6 +239,9 @@ impl GivenHold {
     }
 }
 
+/// Shapes of the lens that the page supports. A table of heights is a file, and a punch is no lens.
+pub(crate) const LENSES: [&str; 4] = ["sphere", "paraboloid", "cylinder", "plate"];
+
 /// Arrangements that the page supports.
 pub(crate) const LATTICES: [&str; 4] = ["hexagonal", "square", "rectangular", "oblique"];
 
@@ -245,20 +252,51 @@ pub(crate) fn is_on_page(key: Key) -> bool {
         Key::Pillars,
         Key::AxisX,
         Key::AxisY,
-        Key::TopRadius,
+        Key::LensProfile,
         Key::RelaxationTable,
     ];
-    let goes_with_shape = key
-        .goes_with()
-        .is_some_and(|(choice, _)| choice == Key::LensShape);
-    let is_of_other_lenses = key == Key::LensShape || goes_with_shape;
     let is_of_other_bases = key.is_of_layers() && !is_thickness(key);
-    !without_control.contains(&key) && !is_of_other_lenses && !is_of_other_bases
+    let is_of_maps = key.is_of_surface() && key != Key::Flat;
+    !without_control.contains(&key) && !is_of_other_bases && !is_of_maps
 }
 
 /// Whether a key is the thickness of a body, which is a half-space unless it is given.
 pub(crate) fn is_thickness(key: Key) -> bool {
     [Key::SubstrateThickness, Key::LensThickness].contains(&key)
+}
+
+/// The values of a case with any surface, in SI units; of a height map those of its bodies, which are the others of the example.
+pub(crate) fn of_any_case(case: &AnyCase) -> Values {
+    let given = |setting: &dyn Fn(Key) -> Option<Setting>| {
+        let on_page = Key::ALL.into_iter().filter(|key| is_on_page(*key));
+        on_page
+            .filter_map(|key| Some((key.path().to_owned(), setting(key)?)))
+            .collect()
+    };
+    match case {
+        AnyCase::Pillars(case) => of_case(case),
+        AnyCase::Asperities(case) => given(&|key| case.setting(key)),
+        AnyCase::Flat(case) => {
+            let mut values: Values = given(&|key| case.setting(key));
+            values.insert(
+                Key::Flat.path().to_owned(),
+                Setting::Word("true".to_owned()),
+            );
+            values
+        }
+        AnyCase::HeightMap(file) => {
+            let mut values = of_case(&Case::example());
+            let of_bodies = Key::ALL
+                .into_iter()
+                .filter(|key| is_on_page(*key) && key.is_on_flat() && key.table() != "adhesion");
+            for key in of_bodies {
+                if let Some(setting) = file.setting(key) {
+                    values.insert(key.path().to_owned(), setting);
+                }
+            }
+            values
+        }
+    }
 }
 
 /// The values of a case, in SI units. A relaxation that was fitted to a table is given by its terms.
@@ -314,35 +352,98 @@ pub(crate) fn file(values: &Values, table: Option<&GivenFile>) -> Result<CaseFil
     if axis.iter().any(|key| values.contains_key(key.path())) {
         return Ok(file);
     }
-    let case = file.case()?;
-    let Arrangement::Listed(list) = case.system.arrangement() else {
-        return Ok(file);
+    let centres: Vec<Point2> = match file.any_case(&[])? {
+        AnyCase::Pillars(case) => match case.system.arrangement() {
+            Arrangement::Listed(list) => list.pillars().iter().map(|it| it.centre).collect(),
+            _ => return Ok(file),
+        },
+        AnyCase::Asperities(case) => {
+            let tops = case.field.asperities().iter();
+            tops.map(|top| top.apex).collect()
+        }
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => return Ok(file),
     };
-    let middle = middle_pillar(list).map(Setting::Number);
+    let middle = middle_pillar(&centres).map(Setting::Number);
     let settings = settings(values)?.into_iter();
     let settings = settings.chain(axis.into_iter().zip(middle));
     Ok(CaseFile::from_settings("the page", settings).with_table(named, &contents))
 }
 
 /// Position of the pillar nearest to the middle of all pillars, m: the lens axis, unless it is given.
-fn middle_pillar(list: &PillarList) -> Point2 {
-    let centres = || list.pillars().iter().map(|pillar| pillar.centre);
+fn middle_pillar(centres: &[Point2]) -> Point2 {
     let middle = [0, 1].map(|axis| {
-        let ends = centres().map(|centre| centre[axis]);
+        let ends = centres.iter().map(|centre| centre[axis]);
         let (low, high) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), at| {
             (low.min(at), high.max(at))
         });
         0.5 * (low + high)
     });
     let distance = |[x, y]: Point2| (x - middle[0]).hypot(y - middle[1]);
-    centres()
+    let nearest = centres.iter().copied();
+    nearest
         .min_by(|one, other| distance(*one).total_cmp(&distance(*other)))
         .unwrap_or_default()
 }
 
+/// Builds the case of the given values, with any surface that the page shows beside the sliders.
+pub(crate) fn any_case(values: &Values, table: Option<&GivenFile>) -> Result<AnyCase, Refusal> {
+    let file = file(values, table)?;
+    if file.surface_kind() == SurfaceKind::Pillars {
+        return Ok(AnyCase::Pillars(Box::new(case(values, table)?)));
+    }
+    let case = file.any_case(&[Question::Explore])?;
+    if let AnyCase::Asperities(case) = &case {
+        check_tops(case)?;
+    }
+    Ok(case)
+}
+
+/// Refusal of a height map among the sliders.
+pub(crate) fn on_a_height_map() -> Refusal {
+    Refusal::impossible("a height map is shown in a panel of its own")
+        .at(Key::HeightMap.path())
+        .accepted("open the file on the page, or give the case to fakir explore")
+}
+
+/// Refuses so many rounded tops that their contact takes minutes, with the command that computes it.
+fn check_tops(case: &AsperityCase) -> Result<(), Refusal> {
+    // Under a load at which the undeformed lens reaches the floor far from its axis.
+    let lens = case.field.indenter().lens();
+    let radius = lens.and_then(ShapedLens::radius).unwrap_or(f64::INFINITY);
+    let reach = 2.0 * (2.0 * radius * case.height).sqrt();
+    let is_reached = |[x, y]: Point2| x.hypot(y) < reach;
+    let tops = case.field.asperities().iter();
+    let touched = tops.filter(|top| is_reached(top.apex)).count();
+    if touched <= MOST_TOPS {
+        return Ok(());
+    }
+    let key = match case.lattice() {
+        Some(_) => Key::Columns,
+        None => Key::Lattice,
+    };
+    let words = format!(
+        "about {touched} rounded tops would be touched, whose critical state takes minutes"
+    );
+    Err(Refusal::impossible(words).at(key.path()).accepted(format!(
+        "at most {MOST_TOPS}: fewer columns, a wider pitch or lower pillars; or save the case file, for `fakir transition fakir-case.toml`"
+    )))
+}
+
 /// Builds the case of the given values.
 pub(crate) fn case(values: &Values, table: Option<&GivenFile>) -> Result<Case, Refusal> {
-    let case = file(values, table)?.case()?;
+    let file = file(values, table)?;
+    if file.surface_kind() != SurfaceKind::Pillars {
+        let words = "the page shows this for pillars with flat tops";
+        return Err(Refusal::impossible(words)
+            .at(match file.surface_kind() {
+                SurfaceKind::Asperities => Key::TopRadius.path(),
+                _ => Key::Flat.path(),
+            })
+            .accepted(
+                "save the case file: `fakir cycle`, `fakir hold` and `fakir fit` compute it",
+            ));
+    }
+    let case = file.case()?;
     if let Arrangement::Listed(list) = case.system.arrangement()
         && table.is_some()
     {
@@ -378,8 +479,12 @@ pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)
             "hexagonal, square, rectangular or oblique",
         ));
     }
-    if case.system.lens().sphere().is_none() {
-        return Some((Key::LensShape, "the page shows a spherical lens", "sphere"));
+    if case.system.lens().form() == LensForm::Profile {
+        return Some((
+            Key::LensShape,
+            "the page has no tables of heights of a lens",
+            "sphere, paraboloid, cylinder or plate",
+        ));
     }
     for (layer, key) in [
         (case.system.substrate_layer(), Key::SubstrateBase),
@@ -471,14 +576,30 @@ pub(crate) fn without_adhesion(case: &Case) -> Case {
 /// Approximate number of pillars in contact at the critical state, from the dense limit of the
 /// homogenised lattice; the error is at most 30 % if there are many.
 pub(crate) fn expected_pillars(system: &System) -> f64 {
-    let radius = homogenised::dense_limit(system).contact_radius();
-    // A contact cannot be wider than the lens.
-    let radius = radius.min(system.lens().sphere_radius());
+    let lens = system.lens();
+    let radius = match (lens.sphere(), lens.radius()) {
+        // A contact cannot be wider than the lens.
+        (Some(sphere), _) => homogenised::dense_limit(system)
+            .contact_radius()
+            .min(sphere.radius),
+        // Twice as wide as where the undeformed lens reaches the floor.
+        (None, Some(radius)) if lens.is_axisymmetric() => {
+            2.0 * (2.0 * radius * system.pillar().height).sqrt()
+        }
+        _ => f64::INFINITY,
+    };
     let pillars = PI * radius * radius / system.arrangement().cell_area();
-    if pillars.is_finite() {
-        pillars
+    let all = match system.arrangement() {
+        Arrangement::Lattice(PlaneLattice {
+            columns: Some(columns),
+            ..
+        }) => f64::from(*columns).powi(2),
+        _ => f64::MAX,
+    };
+    if pillars.is_nan() {
+        all
     } else {
-        f64::MAX
+        pillars.min(all)
     }
 }
 

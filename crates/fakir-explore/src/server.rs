@@ -10,7 +10,7 @@ use crate::start::start;
 use crate::worker::Kind;
 use crate::{dispatch, page, request};
 use fakir::state::{CancelToken, Threads};
-use fakir_case::Case;
+use fakir_case::AnyCase;
 use hyper::header::{self, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -39,7 +39,7 @@ const NEXT_PORTS: u16 = 100;
 #[derive(Debug, Clone)]
 pub struct Options {
     /// Initial case.
-    pub case: Case,
+    pub case: AnyCase,
     /// Port to listen on; default: any free port.
     pub port: Option<u16>,
     /// Number of threads for a contact; 0: as many as there are processors, which is the maximum.
@@ -116,7 +116,9 @@ impl Explorer {
     /// # Errors
     /// [`ExploreError`]; for a port in use, it contains the next free port.
     pub fn bind(options: &Options) -> Result<Self, ExploreError> {
-        if let Some((key, shown, _)) = request::not_shown(&options.case) {
+        if let Some(case) = options.case.pattern()
+            && let Some((key, shown, _)) = request::not_shown(case)
+        {
             let key = key.path();
             return Err(ExploreError::NotShown { key, shown });
         }

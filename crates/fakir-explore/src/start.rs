@@ -1,14 +1,16 @@
 //! Initial data of the page.
 
-use crate::request::{FARTHEST, LATTICES, MOST_PILLARS, is_on_page, is_thickness, of_case};
-use fakir_case::{Case, Key, Kind};
+use crate::request::{
+    FARTHEST, LATTICES, LENSES, MOST_PILLARS, is_on_page, is_thickness, of_any_case, of_case,
+};
+use fakir_case::{AnyCase, Case, Key, Kind};
 use serde_json::{Value, json};
 use std::ops::Bound;
 
 /// Initial data of the page: the case, the paper's intermediate case, the properties of all keys from the key table, and
 /// limits.
 #[must_use]
-pub fn start(case: &Case) -> String {
+pub fn start(case: &AnyCase) -> String {
     let colours: Vec<[u8; 3]> = (0..=255u32)
         .map(|k| {
             let colorous::Color { r, g, b } =
@@ -18,7 +20,7 @@ pub fn start(case: &Case) -> String {
         .collect();
     json!({
         "version": fakir_study::VERSION,
-        "case": of_case(case),
+        "case": of_any_case(case),
         "paper": of_case(&Case::example()),
         "keys": keys(),
         "colours": colours,
@@ -32,7 +34,7 @@ pub fn start(case: &Case) -> String {
 /// the word of another key that it requires. The controls of the page are generated from them.
 fn keys() -> Vec<Value> {
     let of_page = Key::ALL.into_iter();
-    let of_page = of_page.filter(|key| !key.is_of_surface() && is_on_page(*key));
+    let of_page = of_page.filter(|key| is_on_page(*key));
     let bound = |bound| match bound {
         Bound::Included(value) | Bound::Excluded(value) => Some(value),
         Bound::Unbounded => None,
@@ -53,26 +55,32 @@ fn keys() -> Vec<Value> {
                 "list": matches!(key.kind(), Kind::List(_)),
                 "least": bound(lower),
                 "greatest": bound(upper),
-                "usual": key.usual().or(usual_of_list(key)),
+                "usual": key.usual().or(usual_of_page(key)),
                 "whole": key.is_whole(),
-                "infinite": is_thickness(key),
+                "infinite": match key {
+                    Key::TopRadius => Some("flat"),
+                    _ => is_thickness(key).then_some("infinite"),
+                },
+                "on_flat": key.is_on_flat(),
                 "words": words(key),
                 "default": key.default(),
                 "alternative": key.alternative().map(Key::path),
-                "goes_with": key.goes_with().and_then(|(choice, words)| {
-                    let is_here = !choice.is_of_surface() && is_on_page(choice);
-                    is_here.then(|| json!({ "key": choice.path(), "words": words }))
-                }),
+                "goes_with": key
+                    .choices()
+                    .find(|(choice, _)| is_on_page(*choice))
+                    .map(|(choice, words)| json!({ "key": choice.path(), "words": words })),
             })
         })
         .collect()
 }
 
-/// Ends of the sliders of relaxing bodies with one term: from a small relaxation to glassy rubber, and from what an instrument resolves to days.
-fn usual_of_list(key: Key) -> Option<[f64; 2]> {
+/// Ends of the sliders of relaxing bodies with one term: from a small relaxation to glassy rubber, and from what an instrument resolves to days. Those
+/// of the radius of rounded tops: from pointed to nearly flat ones.
+fn usual_of_page(key: Key) -> Option<[f64; 2]> {
     match key {
         Key::RelaxationStrengths => Some([0.01, 100.0]),
         Key::RelaxationTimes => Some([1e-3, 1e5]),
+        Key::TopRadius => Some([1e-6, 1e-3]),
         _ => None,
     }
 }
@@ -80,8 +88,12 @@ fn usual_of_list(key: Key) -> Option<[f64; 2]> {
 /// Words of a key that the page supports.
 fn words(key: Key) -> Vec<&'static str> {
     let all = key.words().into_iter();
-    all.filter(|word| key != Key::Lattice || LATTICES.contains(word))
-        .collect()
+    all.filter(|word| match key {
+        Key::Lattice => LATTICES.contains(word),
+        Key::LensShape => LENSES.contains(word),
+        _ => true,
+    })
+    .collect()
 }
 
 #[cfg(test)]
@@ -91,7 +103,8 @@ mod tests {
     /// The initial data contain the case and the properties of its controls from the key table.
     #[test]
     fn the_page_starts_with_the_case_and_its_keys() {
-        let start: Value = serde_json::from_str(&start(&Case::example())).unwrap();
+        let start: Value =
+            serde_json::from_str(&start(&AnyCase::Pillars(Box::new(Case::example())))).unwrap();
         assert_eq!(start["case"]["lens.radius"], 2.2e-3);
         assert_eq!(start["case"]["method.name"], "spectral");
         assert_eq!(start["case"].get("pattern.pitch"), None);
@@ -112,10 +125,12 @@ mod tests {
         assert_eq!(ratio["usual"], json!([0.0, 0.5]));
         assert_eq!(key("pattern.surface_fraction")["label"], "surface fraction");
         assert_eq!(key("method.cells_per_diameter")["whole"], true);
-        assert_eq!(key("substrate.thickness")["infinite"], true);
-        assert_eq!(radius["infinite"], false);
+        assert_eq!(key("substrate.thickness")["infinite"], "infinite");
+        assert_eq!(key("pattern.top_radius")["infinite"], "flat");
+        assert_eq!(radius["infinite"], Value::Null);
         assert_eq!(start["paper"]["substrate.young_modulus"], 2e6);
-        assert_eq!(key("lens.radius")["goes_with"], Value::Null);
+        assert_eq!(key("lens.radius")["goes_with"]["key"], "lens.shape");
+        assert_eq!(key("lens.young_modulus")["goes_with"], Value::Null);
         let form = key("method.form");
         assert_eq!(form["words"], json!(["corrected", "plain"]));
         assert_eq!(form["default"], "corrected");

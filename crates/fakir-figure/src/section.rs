@@ -2,8 +2,8 @@
 
 use crate::error::FigureError;
 use crate::patches::on_axis;
-use fakir::problem::{PlacedPillar, Point};
-use fakir::state::{ContactState, Run};
+use fakir::problem::{AsperityArray, FlatSystem, PlacedPillar, Point, Probe, ShapedLens};
+use fakir::state::{AsperityContact, ContactState, FlatContact, Run};
 use std::collections::HashMap;
 
 /// Tolerance, in pitches, within which a symmetric copy of the floor contact counts as lying in the
@@ -45,7 +45,7 @@ impl SectionDetail {
 /// bodies in proportion to their compliances `(1 - nu^2)/E`; pillars also shorten under their
 /// force. The gap between lens and surface is that of the solution and does not depend on this
 /// division.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Section {
     /// Positions along x, m, ascending.
     pub x: Vec<f64>,
@@ -113,6 +113,96 @@ impl Section {
         })
     }
 
+    /// Computes the section of a contact with rounded tops, with the floor at a depth (m) below the level of zero indentation; empty for the
+    /// contact of another array.
+    ///
+    /// # Errors
+    /// Interruption.
+    pub fn of_asperities(
+        array: &AsperityArray,
+        contact: &AsperityContact,
+        depth: f64,
+        floor_contact: Option<Point>,
+        detail: SectionDetail,
+        run: &Run<'_>,
+    ) -> Result<Self, FigureError> {
+        let lens = array.indenter().lens();
+        let half_width = half_width_of_asperities(array, contact, floor_contact);
+        let x = places(
+            &cut_asperities(array, depth, half_width),
+            half_width,
+            0.0,
+            detail,
+        );
+        let points: Vec<Point> = x.iter().map(|x| [*x, 0.0]).collect();
+        let Some(fields) = contact.fields(array, depth) else {
+            return Ok(Self::default());
+        };
+        let samples = fields.sample(&points, run)?;
+        let compliance = lens.map_or(0.0, |lens| lens.material.plane_strain_compliance());
+        let lens_share = compliance * array.reduced_modulus();
+        let sag = |point: &Point| lens.map_or(0.0, |lens| lens.sag(*point));
+        let lens: Vec<f64> = points
+            .iter()
+            .zip(&samples.displacement)
+            .map(|(point, w)| depth + sag(point) - contact.indentation + lens_share * w)
+            .collect();
+        let gaps = lens.iter().zip(&samples.gap);
+        let surface = gaps.map(|(lens, gap)| lens - gap).collect();
+        let near = |[x, y]: &Point| y.abs() < 0.02 * half_width && x.abs() <= half_width;
+        let floor_contacts = floor_contact
+            .filter(near)
+            .and_then(|[at, _]| Some([at, lens[nearest(&x, at)?]]));
+        Ok(Self {
+            x,
+            lens,
+            surface,
+            floor_contacts: floor_contacts.into_iter().collect(),
+            floor_patches: contact.floor.as_ref().map_or_else(Vec::new, on_axis),
+        })
+    }
+
+    /// Computes the section of a contact with a flat surface, whose height is 0. On layers it ends at the rim of the contact.
+    #[must_use]
+    pub fn of_flat(system: &FlatSystem, contact: &FlatContact, detail: SectionDetail) -> Self {
+        let widest = match system.probe() {
+            Probe::Lens(lens) => 0.99 * lens.widest(),
+            Probe::Punch { radius, .. } => 4.0 * radius,
+        };
+        let radius = contact.contact_radius;
+        let half_width = match (system.has_layers(), radius > 0.0) {
+            (true, true) => (1.0 - 1e-9) * radius,
+            (false, true) => (2.5 * radius).min(widest),
+            (_, false) => 0.1 * widest,
+        };
+        let rim = CutPillar {
+            start: -radius,
+            end: radius,
+            height: 0.0,
+            shortening: 0.0,
+        };
+        let x = places(&[rim], half_width, radius, detail);
+        let displacement = system.displacement(contact, &x);
+        let lens_share =
+            system.lens_material().plane_strain_compliance() * system.reduced_modulus();
+        // Beyond its edge a punch ends.
+        let sag = |x: f64| match system.probe() {
+            Probe::Lens(lens) => lens.sag([x, 0.0]),
+            Probe::Punch { radius, .. } if x.abs() > *radius => half_width,
+            Probe::Punch { .. } => 0.0,
+        };
+        let both = || x.iter().zip(&displacement);
+        Self {
+            lens: both()
+                .map(|(x, w)| sag(*x) - contact.indentation + lens_share * w)
+                .collect(),
+            surface: both().map(|(_, w)| -(1.0 - lens_share) * w).collect(),
+            x,
+            floor_contacts: Vec::new(),
+            floor_patches: Vec::new(),
+        }
+    }
+
     /// Half-width, m, that includes the whole contact and the floor contact of a state.
     #[must_use]
     pub fn half_width(state: &ContactState) -> f64 {
@@ -126,6 +216,60 @@ impl Section {
             .max(6.0 * state.system.pillar().diameter)
             .min(0.99 * state.system.lens().widest())
     }
+}
+
+/// Half-width, m, of the section of a contact with rounded tops: the contact and some tops beside it.
+fn half_width_of_asperities(
+    array: &AsperityArray,
+    contact: &AsperityContact,
+    floor_contact: Option<Point>,
+) -> f64 {
+    let distance = |[x, y]: Point| x.hypot(y);
+    let tops = array.asperities();
+    let mut distances: Vec<f64> = tops.iter().map(|top| distance(top.apex)).collect();
+    distances.sort_by(f64::total_cmp);
+    // The nearest tops are shown in any case.
+    let few = distances.get(12.min(distances.len().saturating_sub(1)));
+    let touched = contact.asperities.iter().filter(|top| top.radius > 0.0);
+    let reach = touched
+        .map(|top| distance(top.centre) + top.radius)
+        .fold(0.0, f64::max);
+    let floor = contact.floor.as_ref().map_or(0.0, |floor| floor.radius);
+    let floor = floor.max(floor_contact.map_or(0.0, distance));
+    let lens = array.indenter().lens();
+    let widest = lens.map_or(f64::INFINITY, |lens: &ShapedLens| 0.99 * lens.widest());
+    (1.3 * reach.max(floor))
+        .max(few.copied().unwrap_or(0.0))
+        .max(
+            3.0 * tops
+                .iter()
+                .filter_map(|top| top.rim_radius)
+                .fold(0.0, f64::max),
+        )
+        .min(widest)
+}
+
+/// Rounded tops in the section, where they end at their rims or at the floor.
+fn cut_asperities(array: &AsperityArray, depth: f64, half_width: f64) -> Vec<CutPillar> {
+    let cut = array.asperities().iter().filter_map(|top| {
+        let [x, y] = top.apex;
+        let down_to_floor = (2.0 * top.top_radius * (depth + top.raised).max(0.0)).sqrt();
+        let radius = top
+            .rim_radius
+            .map_or(down_to_floor, |rim| rim.min(down_to_floor));
+        let half = (radius * radius - y * y).max(0.0).sqrt();
+        (half > 0.0 && x.abs() - half < half_width).then(|| {
+            // Points on the top, which is round, in place of those beside it.
+            let ends = [-1.0, -0.75, -0.5, -0.25, 0.0].map(|part| half * part);
+            ends.map(|end| CutPillar {
+                start: x + end,
+                end: x - end,
+                height: depth + top.raised,
+                shortening: 0.0,
+            })
+        })
+    });
+    cut.flatten().collect()
 }
 
 /// Positions in the section of the symmetric copies of a floor contact, m.

@@ -5,7 +5,7 @@
 
 use fakir::problem::{Arrangement, Boundary, Interactions, MeshLayout, Method, PunchForm};
 use fakir_case::study::Asked;
-use fakir_case::{Case, FlatCase, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
+use fakir_case::{AsperityCase, Case, FlatCase, Study, SurfaceCase, SurfaceKind, SurfaceOrigin};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -75,7 +75,19 @@ impl Topic {
             .collect()
     }
 
-    /// Topics of a case with a flat surface, with an optional range of the attraction (m).
+    /// Topics of a case with rounded tops, with an optional range of the attraction (m).
+    #[must_use]
+    pub fn of_asperities(case: &AsperityCase, range: Option<f64>) -> Vec<Self> {
+        let adhesive = !case.field.adhesion().is_none();
+        [Self::Asperities]
+            .into_iter()
+            .chain(adhesive.then_some(Self::AdhesiveAsperities))
+            .chain(case.field.has_layers().then_some(Self::Layers))
+            .chain(range.map(|_| Self::AttractionRange))
+            .collect()
+    }
+
+    /// The same for a flat surface.
     #[must_use]
     pub fn of_flat(case: &FlatCase, range: Option<f64>) -> Vec<Self> {
         let system = &case.system;

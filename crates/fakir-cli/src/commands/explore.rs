@@ -4,11 +4,11 @@ use crate::arguments::Explore;
 use crate::failure::{DONE, Failure, Status, report_line};
 use crate::session::{stop_on_interrupt, threads};
 use fakir::state::CancelToken;
-use fakir_case::Case;
+use fakir_case::AnyCase;
 use fakir_explore::{Explorer, Options};
 
 /// Serves until Ctrl-C, which is how it is meant to end.
-pub(crate) fn run(arguments: &Explore, case: Case) -> Result<Status, Failure> {
+pub(crate) fn run(arguments: &Explore, case: AnyCase) -> Result<Status, Failure> {
     let explorer = Explorer::bind(&Options {
         case,
         port: arguments.port,

@@ -6,6 +6,7 @@ mod cycle;
 mod files;
 mod hold;
 mod odd_requests;
+mod other_surfaces;
 mod running;
 mod server;
 mod without_server;

@@ -33,6 +33,15 @@ pub(crate) fn lines(name: &str, body: &Value) -> Vec<Value> {
     lines.collect()
 }
 
+/// The media types of the files of an answer.
+pub(crate) fn media_types(name: &str, body: &Value) -> Vec<&'static str> {
+    let files = parts(name, body).into_iter().filter_map(|part| match part {
+        Part::File { kind, .. } => Some(kind),
+        Part::Line(_) => None,
+    });
+    files.collect()
+}
+
 fn line<'a>(lines: &'a [Value], name: &str) -> &'a Value {
     let found = lines.iter().find_map(|line| line.get(name));
     found.unwrap_or_else(|| panic!("no {name} in {lines:?}"))

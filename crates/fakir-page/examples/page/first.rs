@@ -1,13 +1,14 @@
 //! Initial data of the page, and the answers to its first questions, which are shown while the module is loaded.
 
-use fakir_case::Case;
+use fakir_case::{AnyCase, Case};
 use fakir_explore::{Limits, Part, answer, start};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The data, and the answers to the same requests as those of the page for its first case.
 pub(crate) fn data() -> Value {
-    let start: Value = serde_json::from_str(&start(&Case::example())).unwrap_or_default();
+    let start: Value = serde_json::from_str(&start(&AnyCase::Pillars(Box::new(Case::example()))))
+        .unwrap_or_default();
     let case = &start["case"];
     let contact = json!({ "case": case, "load": { "fraction": 1 } });
     let lines = answered("contact", &contact);

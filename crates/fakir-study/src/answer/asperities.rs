@@ -55,13 +55,7 @@ impl Kind for AsperityCase {
     }
 
     fn topics(&self, range: Option<f64>) -> Vec<Topic> {
-        let adhesive = !self.field.adhesion().is_none();
-        [Topic::Asperities]
-            .into_iter()
-            .chain(adhesive.then_some(Topic::AdhesiveAsperities))
-            .chain(self.field.has_layers().then_some(Topic::Layers))
-            .chain(range.map(|_| Topic::AttractionRange))
-            .collect()
+        Topic::of_asperities(self, range)
     }
 
     fn cited_as(&self) -> String {

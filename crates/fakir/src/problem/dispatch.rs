@@ -388,12 +388,7 @@ static RULES: &[Rule] = &[
         "use the spectral method, or leave out the works of adhesion",
     ),
     rule(
-        &[
-            Question::Transition,
-            Question::Compare,
-            Question::Spread,
-            Question::Explore,
-        ],
+        &[Question::Transition, Question::Compare, Question::Spread],
         ON_PILLARS,
         &[WITHOUT_AXIS],
         "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
@@ -503,13 +498,6 @@ static RULES: &[Rule] = &[
         &[],
         "the other methods replace each top by a flat punch, so that only one method computes the critical state of rounded tops",
         "use `verify`, which compares contacts with boundary elements",
-    ),
-    rule(
-        &[Question::Explore],
-        ASPERITIES,
-        &[],
-        "the page shows pillars with flat tops",
-        "use `press`, `transition` or `approach`, which save figures",
     ),
     // Height maps.
     rule(
@@ -633,12 +621,5 @@ static RULES: &[Rule] = &[
         &[ADHESIVE_TOPS],
         "there is no second method for adhesion: its tension at the rim is infinite, and boundary elements support only pressures",
         "with a work of adhesion of 0 the contact without adhesion is verified; `press` estimates the error",
-    ),
-    rule(
-        &[Question::Explore],
-        FLAT,
-        &[],
-        "the page shows lenses on pillars",
-        "use `press` or `approach`, which save figures",
     ),
 ];

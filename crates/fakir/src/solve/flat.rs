@@ -515,6 +515,33 @@ impl FlatSystem {
         distances.iter().map(at).collect()
     }
 
+    /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart: that which the contact needs inside,
+    /// and that of half-spaces outside. NaN outside of a contact with a layer.
+    #[must_use]
+    pub fn displacement(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
+        let (radius, indentation) = (contact.contact_radius, contact.indentation);
+        if radius <= 0.0 {
+            return vec![0.0; distances.len()];
+        }
+        let bench = Bench::new(self, 1.0);
+        let disc = bench.disc(radius);
+        let [one, bent] = bench.solutions(&disc, radius);
+        let parts = one.iter().zip(&bent);
+        let sum: Vec<f64> = parts.map(|(one, bent)| indentation * one + bent).collect();
+        let at = |distance: &f64| {
+            let place = distance.abs() / radius;
+            if place <= 1.0 {
+                let sag = self.lens().map_or(0.0, |lens| lens.sag([*distance, 0.0]));
+                indentation - sag
+            } else if self.has_layers() {
+                f64::NAN
+            } else {
+                disc.displacement_outside(&sum, place)
+            }
+        };
+        distances.iter().map(at).collect()
+    }
+
     /// The branches of a cycle whose loading ends at `turn`, for contacts at given loads: see [`FlatBranches`].
     ///
     /// # Errors

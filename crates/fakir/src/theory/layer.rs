@@ -210,6 +210,20 @@ impl Disc {
         parts.map(|(node, theta)| node.1 * theta).sum()
     }
 
+    /// Relative displacement of two half-spaces at a distance from the axis (in units of the radius, above 1) for a solution:
+    /// `2/pi ∫_0^1 pi theta(u)/sqrt(r^2 - u^2) du`. The value at the rim is integrated in closed form, as the rule is inaccurate near it.
+    pub(crate) fn displacement_outside(&self, solution: &[f64], distance: f64) -> f64 {
+        let at_rim = self.at_rim(solution);
+        let parts = self.nodes.iter().zip(solution);
+        let rest: f64 = parts
+            .map(|((u, weight), theta)| {
+                weight * (theta - at_rim) / (distance * distance - u * u).sqrt()
+            })
+            .filter(|part| part.is_finite())
+            .sum();
+        2.0 / PI * (rest + at_rim * distance.recip().asin())
+    }
+
     /// Value of a solution at the rim.
     pub(crate) fn at_rim(&self, solution: &[f64]) -> f64 {
         solution[solution.len() - 1]

@@ -578,3 +578,32 @@ fn the_work_against_tension_begins_where_the_force_is_zero() {
         "{found:e} {expected:e}"
     );
 }
+
+/// Hertz outside of the contact: `(a^2/(pi R)) ((2 - s^2) asin(1/s) + sqrt(s^2 - 1))` with `s = r/a` (K. L. Johnson, Contact Mechanics, 3.42a); a flat
+/// punch: `(2/pi) delta asin(1/s)`.
+#[test]
+fn the_surface_beside_a_contact_is_that_of_hertz() {
+    let material = Material::new(2e6, 0.5);
+    let radius = 2.2e-3;
+    let lens = ShapedLens::new(LensShape::Paraboloid { radius }, material);
+    let system = FlatSystem::new(lens, material).unwrap();
+    let load = Load::Indentation(2e-6);
+    let contact = system.press(load, &Run::default()).unwrap();
+    let a = contact.contact_radius;
+    let ratios = [1.0, 1.001, 1.1, 2.0, 10.0];
+    let found = system.displacement(&contact, &ratios.map(|s| s * a));
+    for (s, value) in ratios.into_iter().zip(found) {
+        let asin = s.recip().asin();
+        let expected = a * a / (PI * radius) * ((2.0 - s * s) * asin + (s * s - 1.0).sqrt());
+        assert!(
+            (value / expected - 1.0).abs() < 1e-4,
+            "{s}: {value} {expected}"
+        );
+    }
+    let punch = FlatSystem::punch(5e-6, material, material).unwrap();
+    let contact = punch.press(load, &Run::default()).unwrap();
+    let [beside] = punch.displacement(&contact, &[1e-5])[..] else {
+        panic!("one value");
+    };
+    assert!((beside / (2.0 / PI * 2e-6 * 0.5f64.asin()) - 1.0).abs() < 1e-12);
+}

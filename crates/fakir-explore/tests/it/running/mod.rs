@@ -1,7 +1,7 @@
 //! A separate server for a test, and requests to it.
 
 use fakir::state::CancelToken;
-use fakir_case::Case;
+use fakir_case::{AnyCase, Case};
 use fakir_explore::{ExploreError, Explorer, Options};
 use serde_json::{Value, json};
 use std::cell::Cell;
@@ -110,7 +110,7 @@ impl Drop for Running {
 
 pub(crate) fn options(port: Option<u16>) -> Options {
     Options {
-        case: Case::example(),
+        case: AnyCase::Pillars(Box::new(Case::example())),
         port,
         threads: 1,
         memory_limit: 2_000_000_000,
