@@ -188,7 +188,8 @@ def test_the_controls_are_those_of_the_key_table(explore):
         # Only keys of the selected method and lattice are shown; the receding work only with adhesion.
         recedes = key["key"] == "adhesion.work_receding"
         condition = key["goes_with"]
-        belongs = condition is None or start["case"][condition["key"]] in condition["words"]
+        defaults = {each["key"]: each["default"] for each in start["keys"]}
+        belongs = condition is None or {**defaults, **start["case"]}[condition["key"]] in condition["words"]
         assert control.is_visible() == (belongs and not recedes), name
     for place, end in [(0, 0), (1000, 1)]:
         page.slide("lens-radius-slider", place)

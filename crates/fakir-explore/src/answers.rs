@@ -57,13 +57,16 @@ impl<C> Solved<C> {
     }
 }
 
+/// Receives an intermediate contact, and the computing time so far, s.
+type Listener<'a, C> = &'a (dyn Fn(&C, f64) + Sync);
+
 /// Solves a state before, at or past the critical state. `interim` receives intermediate states for
 /// display, and `found` the critical state; both with the computing time so far, s.
 pub(crate) fn solve<S: Shown>(
     case: &S,
     load: LoadPoint,
     worker: &Worker,
-    interim: Option<&(dyn Fn(&S::Contact, f64) + Sync)>,
+    interim: Option<Listener<'_, S::Contact>>,
     found: impl FnOnce(&Critical<S::Contact>, f64),
 ) -> Result<Solved<S::Contact>, Failure> {
     let known = match case.no_end() {
