@@ -522,7 +522,7 @@ def test_the_command_needs_no_option_for_an_existing_case(explore, tmp_path):
 def test_everything_is_reached_by_keyboard(explore):
     page = explore("#" + "&".join(paper(0.01)))
     seen = []
-    for _ in range(70):
+    for _ in range(80):
         page.page.keyboard.press("Tab")
         seen.append(page.page.evaluate("() => document.activeElement.id"))
     for name in ("lens-radius", "lens-radius-slider", "load", "exaggeration", "copy-link", "method-name"):

@@ -629,12 +629,19 @@ fn the_explorer_reports_why_it_cannot_start() {
         "{}",
         outcome.stderr
     );
-    let outcome = bench.run(&["explore", "--no-browser", "--set", "lens.shape=paraboloid"]);
+    bench.write(
+        "lens.csv",
+        "radius_m,height_m\n0,0\n1e-4,2.3e-6\n2e-4,9.1e-6\n4e-4,3.6e-5\n",
+    );
+    let profile = ["lens.shape=profile", "lens.profile=lens.csv"];
+    let mut arguments = vec!["explore", "--no-browser"];
+    arguments.extend(profile.iter().flat_map(|setting| ["--set", setting]));
+    let outcome = bench.run(&arguments);
     assert_eq!(outcome.status, Some(2));
     assert!(
         outcome
             .stderr
-            .contains("lens.shape: the page shows a spherical lens"),
+            .contains("lens.shape: the page has no tables of heights of a lens"),
         "{}",
         outcome.stderr
     );
