@@ -5,7 +5,9 @@ use crate::clock::Moment;
 use crate::lines;
 use crate::refusal::Refusal;
 use crate::request::{self, FARTHEST, LoadPoint, at_fraction, expected_pillars, without_adhesion};
-use crate::shown::{Drawn, Shown, Stage, curve_method};
+use crate::shown::{
+    Drawn, Section, Shown, Stage, curve_method, indentation, spaced, transition_curve,
+};
 use crate::worker::{Failure, Worker};
 use fakir::problem::{Arrangement, Load, Method, Point, System};
 use fakir::state::{Contact, ContactState, Critical, CriticalState, Normalized};
@@ -104,20 +106,6 @@ pub(crate) fn solve<S: Shown>(
     Ok(Solved { critical, pressed })
 }
 
-/// Indentation, m, at a fraction of the path from first contact to the critical state.
-pub(crate) fn indentation<S: Shown>(case: &S, critical: f64, fraction: f64) -> f64 {
-    let touch = case.touch();
-    let touch = if touch < critical { touch } else { 0.0 };
-    touch + fraction * (critical - touch)
-}
-
-/// Fraction of the path from first contact to the critical state at an indentation, m; 0 before contact.
-pub(crate) fn position(case: &Case, critical: f64, indentation: f64) -> f64 {
-    let touch = case.touch();
-    let touch = if touch < critical { touch } else { 0.0 };
-    ((indentation - touch) / (critical - touch)).max(0.0)
-}
-
 #[derive(Serialize)]
 pub(crate) struct CriticalLine {
     pub(crate) critical: Object,
@@ -191,30 +179,6 @@ struct SummaryLine {
 #[derive(Serialize)]
 pub(crate) struct SectionLine {
     pub(crate) section: Option<Section>,
-}
-
-/// Heights above the undeformed floor along x through the lens axis.
-#[derive(Serialize)]
-pub(crate) struct Section {
-    x_m: Vec<f64>,
-    lens_m: Vec<f64>,
-    surface_m: Vec<f64>,
-    /// First floor contact in this plane, if there is one: x and height.
-    floor_contacts_m: Vec<Point>,
-    /// Floor contact: the ends of every interval along x.
-    floor_m: Vec<[f64; 2]>,
-}
-
-impl From<fakir_figure::Section> for Section {
-    fn from(section: fakir_figure::Section) -> Self {
-        Self {
-            x_m: section.x,
-            lens_m: section.lens,
-            surface_m: section.surface,
-            floor_contacts_m: section.floor_contacts,
-            floor_m: section.floor_patches,
-        }
-    }
 }
 
 #[derive(Serialize)]
@@ -420,14 +384,6 @@ pub(crate) fn curves(request: &request::Curves, worker: &Worker) -> Result<(), F
     Ok(())
 }
 
-/// Numbers equally spaced on a logarithmic scale, including both ends.
-fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
-    let steps = count.saturating_sub(1) as f64;
-    (0..count)
-        .map(|k| first * (last / first).powf(k as f64 / steps))
-        .collect()
-}
-
 /// Numbers below `count`, which is a power of two plus one: every 8th first, then those in between.
 fn coarse_first(count: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).step_by(8).collect();
@@ -462,27 +418,9 @@ struct PathState {
     normalized: Option<[f64; 2]>,
 }
 
-/// A point in the phase diagram: `a/e` and `F gamma_int/(h d)`.
-fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
-    let reduced = Normalized::new(system, force, radius, 0.0);
-    [reduced.contact_radius, reduced.force]
-}
-
 /// The transition curve of the phase diagram.
 pub(crate) fn transition_line(system: &System) -> impl Serialize + use<> {
     PhaseLine::Transition(transition_curve(system))
-}
-
-/// Points of the transition curve of the phase diagram. It is a closed form, which applies only to the infinite hexagonal lattice on half-spaces.
-pub(crate) fn transition_curve(system: &System) -> Vec<[f64; 2]> {
-    let known = system.hexagonal_lattice().is_some() && !system.has_layers();
-    let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
-    let curve = ratios.into_iter().map(|ratio| {
-        let radius = ratio * system.pitch();
-        let force = closed_forms::transition_force(system, radius);
-        reduced(system, force, radius)
-    });
-    curve.collect()
 }
 
 /// `POST /api/phase`: the transition curve, and the loading of the case, also past the critical

@@ -1,12 +1,12 @@
 //! Loading and unloading with adhesion: sends the curve while it is computed, then states along it, so that the page can move back and
 //! forth without another request.
 
-use crate::answers::{self, CaseLine, CriticalLine, Section, SectionLine, StateLine};
+use crate::answers::{self, CaseLine, CriticalLine, SectionLine, StateLine};
 use crate::clock::Moment;
 use crate::floor::{ExpectedCells, FloorCells};
 use crate::refusal::Refusal;
 use crate::request::{self, without_adhesion};
-use crate::shown::{self, DrawnLattice};
+use crate::shown::{self, DrawnLattice, Section};
 use crate::worker::{Failure, Way, Worker};
 use fakir::problem::{CyclePlan, Point, System};
 use fakir::state::{

@@ -11,9 +11,7 @@ use crate::worker::{Failure, File, Worker};
 use fakir::problem::{Load, Point};
 use fakir::state::{Contact, ContactState, Run};
 use fakir_case::{AnyCase, Case, Key};
-use fakir_figure::{
-    Figure, PhaseDiagram, Series, Style, Text, cycle_curve, phase_diagram, phase_point, release_map,
-};
+use fakir_figure::{Figure, cycle_curve, release_map};
 use fakir_study::citations::Topic;
 use fakir_study::figures::history_figure;
 use fakir_study::provenance::{Provenance, method_words};
@@ -293,20 +291,4 @@ fn figure(name: &str, case: &Case, solved: &Answer, run: &Run<'_>) -> Result<Fig
         }
     };
     Ok(figure?)
-}
-
-/// The phase diagram with the displayed state.
-pub(crate) fn phase(case: &Case, state: &ContactState) -> Figure {
-    let fraction = case.system.pattern().surface_fraction();
-    let label = format!("*φ* = {fraction:.4}");
-    phase_diagram(&PhaseDiagram {
-        system: case.system.clone(),
-        critical: vec![Series::new(
-            Text::from(label),
-            vec![phase_point(&case.system, state.force, state.contact_radius)],
-            Style::marks(0),
-        )],
-        paths: Vec::new(),
-        shares: Vec::new(),
-    })
 }

@@ -2,12 +2,11 @@
 //! slider of the load. While the contact only grows, it is the elastic contact at the same contact indentation, so that map and section of any
 //! time are those of a load.
 
-use crate::answers::position;
 use crate::clock::Moment;
 use crate::lines;
 use crate::refusal::Refusal;
 use crate::request::{self, FARTHEST, GivenFile, GivenHold, Ticket, Values, expected_pillars};
-use crate::shown::floor_carries_load;
+use crate::shown::{floor_carries_load, position};
 use crate::worker::{Failure, Worker};
 use fakir::problem::Load;
 use fakir::state::SolveError;

@@ -1,6 +1,5 @@
 //! Kinds of cases as the page shows them: pillars with flat tops, pillars with rounded tops, and flat surfaces.
 
-use crate::answers::{Section, indentation, transition_curve};
 use crate::floor::FloorCells;
 use crate::lines::{self, Texts};
 use crate::refusal::Refusal;
@@ -14,10 +13,11 @@ use fakir::state::{
     AsperityContact, Branch, ContactState, Critical, FlatContact, Normalized, PillarStatus, Run,
     SolveError,
 };
+use fakir::theory::closed_forms;
 use fakir_case::{AsperityCase, Case, FlatCase, Key};
 use fakir_figure::{
-    Figure, FigureError, ProfileState, SectionDetail, View, asperity_map, floor_gap_map,
-    pressure_map, profiles, top_view,
+    Figure, FigureError, PhaseDiagram, ProfileState, SectionDetail, Series, Style, Text, View,
+    asperity_map, floor_gap_map, phase_diagram, phase_point, pressure_map, profiles, top_view,
 };
 use fakir_study::approach::Loadable;
 use fakir_study::citations::Topic;
@@ -360,7 +360,7 @@ impl Shown for Case {
             }
             "top-view" => top_view(state, View::Contact, run),
             "floor-gap-map" => floor_gap_map(state, run),
-            "phase-diagram" => Ok(crate::export::phase(self, state)),
+            "phase-diagram" => Ok(phase_figure(self, state)),
             _ => pressure_map(state, floor_contact),
         }?)
     }
@@ -830,4 +830,84 @@ pub(crate) fn section(
         Err(FigureError::NoPillars { .. }) => Ok(None),
         Err(error) => Err(error.into()),
     }
+}
+
+/// Indentation, m, at a fraction of the path from first contact to the critical state.
+pub(crate) fn indentation<S: Shown>(case: &S, critical: f64, fraction: f64) -> f64 {
+    let touch = case.touch();
+    let touch = if touch < critical { touch } else { 0.0 };
+    touch + fraction * (critical - touch)
+}
+
+/// Fraction of the path from first contact to the critical state at an indentation, m; 0 before contact.
+pub(crate) fn position(case: &Case, critical: f64, indentation: f64) -> f64 {
+    let touch = case.touch();
+    let touch = if touch < critical { touch } else { 0.0 };
+    ((indentation - touch) / (critical - touch)).max(0.0)
+}
+
+/// Heights above the undeformed floor along x through the lens axis.
+#[derive(Serialize)]
+pub(crate) struct Section {
+    x_m: Vec<f64>,
+    lens_m: Vec<f64>,
+    surface_m: Vec<f64>,
+    /// First floor contact in this plane, if there is one: x and height.
+    floor_contacts_m: Vec<Point>,
+    /// Floor contact: the ends of every interval along x.
+    floor_m: Vec<[f64; 2]>,
+}
+
+impl From<fakir_figure::Section> for Section {
+    fn from(section: fakir_figure::Section) -> Self {
+        Self {
+            x_m: section.x,
+            lens_m: section.lens,
+            surface_m: section.surface,
+            floor_contacts_m: section.floor_contacts,
+            floor_m: section.floor_patches,
+        }
+    }
+}
+
+/// Numbers equally spaced on a logarithmic scale, including both ends.
+pub(crate) fn spaced([first, last]: [f64; 2], count: usize) -> Vec<f64> {
+    let steps = count.saturating_sub(1) as f64;
+    (0..count)
+        .map(|k| first * (last / first).powf(k as f64 / steps))
+        .collect()
+}
+
+/// A point in the phase diagram: `a/e` and `F gamma_int/(h d)`.
+fn reduced(system: &System, force: f64, radius: f64) -> [f64; 2] {
+    let reduced = Normalized::new(system, force, radius, 0.0);
+    [reduced.contact_radius, reduced.force]
+}
+
+/// Points of the transition curve of the phase diagram. It is a closed form, which applies only to the infinite hexagonal lattice on half-spaces.
+pub(crate) fn transition_curve(system: &System) -> Vec<[f64; 2]> {
+    let known = system.hexagonal_lattice().is_some() && !system.has_layers();
+    let ratios = spaced([0.01, 1000.0], if known { 200 } else { 0 });
+    let curve = ratios.into_iter().map(|ratio| {
+        let radius = ratio * system.pitch();
+        let force = closed_forms::transition_force(system, radius);
+        reduced(system, force, radius)
+    });
+    curve.collect()
+}
+
+/// The phase diagram with the displayed state.
+fn phase_figure(case: &Case, state: &ContactState) -> Figure {
+    let fraction = case.system.pattern().surface_fraction();
+    let label = format!("*φ* = {fraction:.4}");
+    phase_diagram(&PhaseDiagram {
+        system: case.system.clone(),
+        critical: vec![Series::new(
+            Text::from(label),
+            vec![phase_point(&case.system, state.force, state.contact_radius)],
+            Style::marks(0),
+        )],
+        paths: Vec::new(),
+        shares: Vec::new(),
+    })
 }

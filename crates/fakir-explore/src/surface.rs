@@ -1,9 +1,9 @@
 //! The contact of the lens with a height map that the user gives: first on large cells, which takes a fraction of a second, then on smaller ones.
 
-use crate::answers::Section;
 use crate::clock::Moment;
 use crate::refusal::Refusal;
 use crate::request::{self, GivenFile, Ticket, Values};
+use crate::shown::Section;
 use crate::worker::{Failure, Worker};
 use fakir::problem::{Grid, HeightMap, Load, Point, SurfaceSystem};
 use fakir::state::SurfaceContact;
