@@ -168,6 +168,7 @@ fn coarser(system: &SurfaceSystem, factor: usize) -> Result<SurfaceSystem, Refus
     let [substrate, lens] = system.layers();
     let coarse = coarse
         .and_then(|coarse| coarse.with_layers(substrate.copied(), lens.copied()))
+        .and_then(|coarse| coarse.with_adhesion(system.adhesion()))
         .map_err(|error| wrong(error.to_string()))?;
     Ok(match system.floor() {
         Some(floor) => coarse.with_floor(floor),
@@ -251,7 +252,8 @@ fn shown(
             .collect(),
         pressures: pressures
             .iter()
-            .map(|pressure| match *pressure > 0.0 {
+            // In tension as at the smallest pressure: it is in contact.
+            .map(|pressure| match pressure.abs() > 0.0 {
                 true => letter(pressure / most),
                 false => ' ',
             })

@@ -134,7 +134,14 @@ fn of_surfaces() -> Drawn {
         ..CyclePlan::default()
     };
     let cycle = adhesive.cycle(plan, Accuracy::Default, &run).unwrap();
+    let adhesive = surface.clone().with_adhesion(Adhesion::new(5e-3)).unwrap();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(2e-7),
+        ..plan
+    };
+    let on_cells = adhesive.cycle(plan, &run).unwrap();
     vec![
+        ("surface_cycle", crate::surface_cycle(&on_cells).unwrap()),
         (
             "asperity_cycle_curve",
             crate::asperity_cycle_curve(&cycle).unwrap(),

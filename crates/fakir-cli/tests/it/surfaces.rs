@@ -12,10 +12,15 @@ fn example(name: &str) -> PathBuf {
 
 /// `fakir COMMAND CASE ARGUMENTS`, on fewer cells than the example has.
 fn fakir(command: &str, case: &Path, arguments: &[&str]) -> Output {
+    let fewer = ["--set", "surface.grid.cells_per_diameter=8"];
+    run(command, case, &[&fewer, arguments].concat())
+}
+
+/// `fakir COMMAND CASE ARGUMENTS`
+fn run(command: &str, case: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_fakir"))
         .arg(command)
         .arg(case)
-        .args(["--set", "surface.grid.cells_per_diameter=8"])
         .args(arguments)
         .output()
         .expect("the binary runs")
@@ -585,6 +590,7 @@ fn adhesion_on_a_height_map_is_that_of_the_spectral_method() {
     let pattern = [
         "pattern.pitch=20um",
         "pattern.pillar.diameter=8um",
+        "pattern.pillar.height=6um",
         "pattern.pillar.compliance=none",
     ];
     let surface = [
@@ -594,8 +600,8 @@ fn adhesion_on_a_height_map_is_that_of_the_spectral_method() {
         "surface.pillar.diameter=8um",
         "surface.pillar.height=6um",
         "surface.pillar.compliance=none",
-        "surface.grid.width=70um",
-        "surface.grid.cells_per_diameter=12",
+        "surface.grid.width=60um",
+        "surface.grid.cells_per_diameter=24",
     ];
     let case = tempfile::tempdir().unwrap();
     let bodies = "lens = { radius = 1e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
@@ -605,18 +611,19 @@ fn adhesion_on_a_height_map_is_that_of_the_spectral_method() {
     let cycle = |settings: &[&str]| {
         let settings = settings.iter().flat_map(|setting| ["--set", setting]);
         let arguments: Vec<&str> = both.into_iter().chain(settings).chain(["--json"]).collect();
-        let output = fakir("cycle", &path, &arguments);
+        let output = run("cycle", &path, &arguments);
         assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
         json(&output)
     };
     let (exact, found) = (cycle(&pattern), cycle(&surface));
-    let ratio = |name: &str| number(&found, name) / number(&exact, name);
+    let ratio =
+        |name: &str| number(&found, &format!("/{name}")) / number(&exact, &format!("/{name}"));
     assert!((ratio("turn_force_N") - 1.0).abs() < 0.01);
     for name in ["pull_off_force", "hysteresis"] {
         let symbol = if name == "hysteresis" { "J" } else { "N" };
-        let error = number(&found, &format!("relative_error_estimate.{name}"))
-            + number(&exact, &format!("relative_error_estimate.{name}.numerical"))
-            + number(&exact, &format!("relative_error_estimate.{name}.model"));
+        let of =
+            |it: &Value, part: &str| number(it, &format!("/relative_error_estimate/{name}{part}"));
+        let error = of(&found, "") + of(&exact, "/numerical") + of(&exact, "/model");
         let difference = ratio(&format!("{name}_{symbol}")) - 1.0;
         assert!(difference.abs() < error, "{name}: {difference} {error}");
     }
@@ -631,7 +638,7 @@ fn adhesion_is_refused_where_it_is_not_supported() {
         (
             "press",
             &[&load[..], &["--set", "surface.boundary=periodic"]].concat()[..],
-            "not across its periodic border",
+            "the edges of an adhesive contact",
         ),
         ("cycle", &["--drive", "force"], "controls the indentation"),
         (
@@ -645,7 +652,7 @@ fn adhesion_is_refused_where_it_is_not_supported() {
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{command}: {message}");
         assert!(output.stdout.is_empty());
-        assert!(message.replace("\n  │ ", " ").contains(words), "{message}");
+        assert!(message.contains(words), "{message}");
     }
 }
 

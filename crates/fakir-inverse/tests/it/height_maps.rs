@@ -232,7 +232,10 @@ fn what_height_maps_do_not_have_is_refused() {
         .unwrap_err()
     };
     let adhesion = refused(&data, Parameter::Key(Key::WorkOfAdhesion)).to_string();
-    assert!(adhesion.contains("not on a height map"), "{adhesion}");
+    assert!(
+        adhesion.contains("follows from the whole loading"),
+        "{adhesion}"
+    );
     let pitch = refused(&data, Parameter::Key(Key::Pitch));
     assert!(matches!(pitch, FitError::NotGiven(_)), "{pitch}");
     let columns = [

@@ -383,8 +383,10 @@ fn quantities(cycle: &AsperityCycle, of: &Context<'_, AsperityCase>) -> String {
 pub fn turn_and_pull_off_of_tops(list: &mut QuantityList, cycle: &AsperityCycle) {
     let turn = &cycle.turn;
     let error = turn.error.unwrap_or_default();
-    let turn_remark = match (&cycle.critical, turn.floor_gap) {
-        (Some(_), Some(_)) => "critical state: the lens just reaches the floor".to_owned(),
+    let turn_remark = match cycle.plan.turn {
+        UnloadingPoint::Critical(part) if part >= 1.0 => {
+            "critical state: the lens just reaches the floor".to_owned()
+        }
         _ => remark(error.force),
     };
     list.quantity(

@@ -217,6 +217,18 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
                 };
                 Ok(numbers(&Record::of(&answer)))
             }
+            Question::Cycle => {
+                let plan = CyclePlan {
+                    turn: load.into(),
+                    ..CyclePlan::default()
+                };
+                let cycle = case.system.cycle(plan, &run).map_err(refused)?;
+                let answer = SurfaceAnswer {
+                    system: &case.system,
+                    answer: &cycle,
+                };
+                Ok(numbers(&Record::of(&answer)))
+            }
             _ => {
                 let critical = case.system.transition(&run).map_err(refused)?;
                 let answer = SurfaceAnswer {
@@ -409,7 +421,6 @@ fn words_of(key: Key) -> Vec<String> {
         Key::Rotation => "without rotation",
         Key::Columns => "infinite",
         Key::HeightStandardDeviation | Key::VacancyFraction | Key::PillarSeed => "equal pillars",
-        Key::WorkOfAdhesion => "adhesion is supported",
         Key::RecedingWorkOfAdhesion => "adhesion.work",
         // A [surface] that is not flat needs a description.
         Key::Flat => "surface.height_map",

@@ -72,8 +72,12 @@ impl SurfaceCycle {
         if !self.converged() {
             return None;
         }
-        let turn = self.turn.unresolved().map_or(0.0, |found| found.error);
-        let mut numbers = vec![("force at the end of loading", turn)];
+        let turn = self.turn.error.map_or(0.0, |error| error.force);
+        let area = self.turn.area_error.unwrap_or_default();
+        let mut numbers = vec![
+            ("force at the end of loading", turn),
+            ("contact area at the end of loading", area),
+        ];
         if let Some(errors) = self.errors.filter(|_| self.separation.is_some()) {
             numbers.extend([
                 ("pull-off force", errors.pull_off_force),

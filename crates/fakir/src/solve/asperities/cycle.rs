@@ -229,12 +229,13 @@ impl AsperityArray {
             run,
         };
         let mut equations = Equations::new(&bench.layout, degree(accuracy));
-        let alone = of.cycle(&mut equations, None)?;
+        let mut alone = of.cycle(&mut equations, None)?;
         let Some(depth) = self.floor().filter(|_| self.is_floor_loaded()) else {
             return Ok(alone);
         };
         // The floor is reached at the largest indentation, if anywhere.
         let reached = bench.floor_gap(&alone.turn, depth, run)?;
+        alone.turn.floor_gap = alone.turn.floor_gap.or(reached);
         if !alone.converged() || reached.is_none_or(|floor| floor.gap >= 0.0) {
             return Ok(alone);
         }

@@ -31,6 +31,7 @@
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
 //! along the edge of the contact, which are counted fully or not at all.
 
+use super::adhesive::FORCE_TOLERANCE;
 use super::surface_level::{Level, Pressed, check_whole, separation};
 use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{
@@ -125,6 +126,15 @@ impl SurfaceSystem {
         };
         let error = changes.map(|[force, indentation, ..]| ErrorEstimate {
             force: match control {
+                // With adhesion a force may be passed in a jump.
+                Load::Force(wanted) if !self.adhesion().is_none() => {
+                    let missed = (pressed.force - wanted).abs() / pressed.force.abs().max(wanted);
+                    if missed > FORCE_TOLERANCE {
+                        missed
+                    } else {
+                        0.0
+                    }
+                }
                 Load::Force(_) => 0.0,
                 Load::Indentation(_) | Load::FloorContact => safety * force,
             },
