@@ -483,6 +483,7 @@ class Surface:
         layers: Sequence[tuple[float, str, Sequence[float] | None] | None],
         periodic: bool,
         floor: float | None,
+        adhesion: tuple[float, float | None, bool] | None,
     ) -> Surface: ...
     @staticmethod
     def read(

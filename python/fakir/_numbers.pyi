@@ -78,11 +78,11 @@ class Grid(NamedTuple):
 
 class Certificate(NamedTuple):
     energy_bound: float
-    'Upper bound of the energy error of the solution on its cells, over the elastic energy.'
+    'Upper bound of the energy error of the solution on its cells, over the elastic energy; with adhesion the largest gap of a cell in contact, over the indentation.'
     interpenetration: float
     'Deepest interpenetration anywhere (m).'
     gap_under_pressure: float
-    'Largest gap of a cell that carries pressure (m).'
+    'Largest gap of a cell in contact (m).'
 
 class AsperityErrors(NamedTuple):
     force: float
@@ -97,6 +97,16 @@ class AsperityCycleErrors(NamedTuple):
     'Estimated relative error of the force at the end of loading.'
     pull_off_force: float | None = None
     'Estimated relative error of the pull-off force.'
+    hysteresis: float | None = None
+    'Estimated relative error of the hysteresis.'
+
+class SurfaceCycleErrors(NamedTuple):
+    turn_force: float | None = None
+    'Estimated relative error of the force at the end of loading; None, as all estimates, on too few cells.'
+    pull_off_force: float | None = None
+    'Estimated relative error of the pull-off force.'
+    work_of_separation: float | None = None
+    'Estimated relative error of the work of separation.'
     hysteresis: float | None = None
     'Estimated relative error of the hysteresis.'
 
@@ -411,6 +421,50 @@ class AsperityCycleNumbers(Answer):
     'Relative difference of `dissipation` from `hysteresis`.'
     error: Number[AsperityCycleErrors]
     '`AsperityCycleErrors` with turn_force, pull_off_force, hysteresis.'
+    converged: Number[bool]
+    'Whether the solver converged.'
+    unresolved: Number[str | None]
+    'A quantity whose estimated relative error is above 0.5, if any; the command then ends with exit status 1.'
+
+class SurfaceCycleNumbers(Answer):
+    method: Number[str]
+    '`love`: elements.'
+    drive: Number[str]
+    'Loading mode, the quantity that is constant during a jump: `displacement`.'
+    first_contact_indentation: Number[float | None]
+    'Indentation at first contact (m).'
+    first_contact_force: Number[float | None]
+    'Force after first contact (N).'
+    turn_force: Number[float]
+    'Force at the end of loading (N).'
+    turn_indentation: Number[float]
+    'Indentation at the end of loading (m).'
+    turn_contact_area: Number[float]
+    'Contact area at the end of loading (m^2).'
+    pull_off_force: Number[float | None]
+    'Largest tensile force on unloading, negative (N); None if there is none.'
+    pull_off_indentation: Number[float | None]
+    'Indentation at pull-off (m).'
+    pull_off_contact_area: Number[float | None]
+    'Contact area at pull-off (m^2).'
+    last_release_indentation: Number[float | None]
+    'Indentation at which the surfaces detach (m); None without unloading.'
+    work_of_separation: Number[float | None]
+    'Work against tensile forces during unloading (J); None without unloading.'
+    hysteresis: Number[float | None]
+    'Area of the loop of force over indentation (J); None without unloading.'
+    error: Number[SurfaceCycleErrors]
+    '`SurfaceCycleErrors` with turn_force, pull_off_force, work_of_separation, hysteresis.'
+    indenter: Number[str]
+    '`lens` or `plate`.'
+    lens_shape: Number[str]
+    'Shape of a lens.'
+    boundary: Number[str]
+    '`free` or `periodic`.'
+    grid: Number[Grid]
+    '`Grid` with columns, rows, cell, origin.'
+    friction: Number[Friction | None]
+    '`Friction` with lateral_force, tops_force, floor_force, floor_share, tops_contact_area, floor_contact_area, error.'
     converged: Number[bool]
     'Whether the solver converged.'
     unresolved: Number[str | None]

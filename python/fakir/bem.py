@@ -309,14 +309,12 @@ class Surface(Viscoelastic):
 
         Loading ends at an indentation (m), at a force (N), or, on a surface with a floor, at the critical state.
         """
-        end = [
-            None if to is None else si(to, "length", "to"),
-            None if to_force is None else si(to_force, "force", "to_force"),
-        ]
-        if None not in end:
+        if to is not None and to_force is not None:
             raise TypeError("a loading has one end: give one of to and to_force")
+        length = None if to is None else si(to, "length", "to")
+        force = None if to_force is None else si(to_force, "force", "to_force")
         run = options(threads, progress, memory_limit)
-        answer, curve, turn, pull_off = _fakir.cycle_surface(self._surface, *end, retract, run)
+        answer, curve, turn, pull_off = _fakir.cycle_surface(self._surface, length, force, retract, run)
         warn(answer.warnings)
         strongest = None if pull_off is None else SurfaceContact(self, pull_off)
         return SurfaceCycle(answer, curve, SurfaceContact(self, turn), strongest)

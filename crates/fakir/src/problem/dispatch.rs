@@ -578,7 +578,7 @@ static RULES: &[Rule] = &[
         HEIGHT_MAP,
         &[],
         "the sliders of the page require results in milliseconds, and a height map takes seconds",
-        "use `press` or `approach`, which save figures",
+        "open its file on the page, which shows one contact at a time, or use `press` or `approach`, which save figures",
     ),
     // Flat surfaces.
     rule(

@@ -15,6 +15,7 @@ use super::surface_level::{FLOOR_TOLERANCE, Level, Pressed};
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::{Columns, Operator, Preconditioned};
 use crate::numerics::line::integral_and_negative_part;
+use crate::numerics::workers::CancelToken;
 use crate::problem::{Adhesion, Cells, Floor, Load, ShapedLens, Unsupported};
 use crate::solve::rules::bonded_floor::{TAKE_BACKS, natural};
 use crate::solve::rules::floor_fronts::{FloorFronts, FloorMove, OF_CENTRES};
@@ -91,6 +92,7 @@ pub(super) struct AdhesiveCells<'a> {
     pub(super) products: usize,
     /// Cells beside cells that are left out and could be touched.
     at_bound: Vec<usize>,
+    cancel: CancelToken,
     /// Why there is no solution, if there is none.
     failed: Option<Termination>,
 }
@@ -235,7 +237,7 @@ impl AdhesiveCells<'_> {
 
     /// Moves the indenter, and the fronts until they rest.
     ///
-    /// Ends early if fewer than `least` cells are left in contact.
+    /// Ends early if fewer than `least` cells are left in contact, or if the run is cancelled.
     pub(super) fn advance(&mut self, indentation: f64, course: Course, least: usize) {
         self.held.indentation = indentation;
         self.settle(MOVING * self.opening);
@@ -260,7 +262,7 @@ impl AdhesiveCells<'_> {
                 continue;
             }
             is_fine = false;
-            if self.held.count() < least {
+            if self.held.count() < least || self.cancel.is_cancelled() {
                 return;
             }
             for (cells, bonds) in moves.iter().zip([true, false]) {
@@ -379,6 +381,7 @@ impl<'a> Level<'a> {
             residual: vec![0.0; count],
             response: vec![0.0; count],
             products: 0,
+            cancel: self.run.cancel.clone(),
             failed: None,
             cells,
         })
@@ -635,6 +638,7 @@ impl<'a> Followed<'a> {
     ) -> Result<(), SolveError> {
         self.level.check_cancelled()?;
         self.cells.advance(indentation, course, least);
+        self.level.check_cancelled()?;
         self.level.products = self.cells.products;
         self.level.run.report(Progress {
             stage: Stage::Surface,

@@ -66,7 +66,7 @@ pub(crate) struct Laws {
 /// Laws of cells that have the displacement of the indenter on average.
 const OF_MEANS: Laws = Laws {
     // The mean of `1/sqrt(2 pi x)` over a cell.
-    at_front: 0.797_885,
+    at_front: 0.797_884_560_802_865_4,
     pressure: [
         0.817, 0.874, 0.872, 0.887, 0.966, 1.010, 1.020, 1.035, 1.020,
     ],
