@@ -1,4 +1,4 @@
-//! The floor as part of the equations of the tops.
+//! The cells of the floor under rounded tops, which are [part of their equations](super::floor_equations).
 //!
 //! With adhesion the contact depends on the path, and its stability on the floor: the floor is not solved in turn with the tops
 //! ([`mixed`](super::mixed)), but eliminated from their equations. The pressures on the floor are constant on square cells. At given tops the
@@ -9,17 +9,13 @@
 //! A cell acts on a top as a point force at its centre, projected onto the modes of the disc. The displacement of a cell by the tops is the
 //! transpose of this, so that forces are derivatives of one energy.
 
-use super::equations::Equations;
-use super::load::{FloorForces, Jet, Layout};
-use crate::halfspace::disc::basis::UNIT_FORCE;
+use super::load::FloorForces;
 use crate::halfspace::elements::Operator;
 use crate::halfspace::elements::half_space::HalfSpace;
 use crate::numerics::cholesky::{factorise, solve_lower, solve_upper};
 use crate::numerics::dense::Matrix;
-use crate::numerics::vector::dot;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Boundary, Cells, Grid, Point};
-use crate::state::discs::Contacts;
 use std::sync::Arc;
 
 /// Largest number of changes of the cells in contact.
@@ -138,20 +134,19 @@ impl LoadedFloor {
             .sum()
     }
 
-    fn point_forces(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
+    pub(super) fn point_forces(&self) -> impl Iterator<Item = (Point, f64)> + '_ {
         let touched = self.touched.iter();
         touched.map(|cell| (self.cells[*cell].centre, self.forces[*cell]))
     }
 
-    /// Solves the floor under these tops. Returns whether the cells in contact were found.
-    fn close(&mut self, equations: &Equations<'_>, contacts: &Contacts) -> bool {
-        let tops = equations.as_forces(contacts);
+    /// Solves the floor under tops that displace it by these forces. Returns whether the cells in contact were found.
+    pub(super) fn close(&mut self, tops: &FloorForces, indentation: f64) -> bool {
         for (sunk, cell) in self.sunk.iter_mut().zip(&*self.cells) {
             *sunk = tops.displacement(cell.centre);
         }
         let cells = self.cells.iter().zip(&self.sunk);
         let closed: Vec<f64> = cells
-            .map(|(cell, sunk)| contacts.indentation - cell.separation - sunk)
+            .map(|(cell, sunk)| indentation - cell.separation - sunk)
             .collect();
         for _ in 0..CHANGES {
             let mut forces: Vec<f64> = self.touched.iter().map(|cell| closed[*cell]).collect();
@@ -196,133 +191,15 @@ impl LoadedFloor {
         factorise(&mut self.factor, size)
     }
 
+    /// The centres of the cells in contact.
+    pub(super) fn touched(&self) -> impl ExactSizeIterator<Item = Point> + '_ {
+        self.touched.iter().map(|cell| self.cells[*cell].centre)
+    }
+
     /// The forces on the cells in contact that displace these by `right`, in its place.
-    fn solve(&self, right: &mut [f64]) {
+    pub(super) fn solve(&self, right: &mut [f64]) {
         let size = self.touched.len();
         solve_lower(&self.factor, size, right);
         solve_upper(&self.factor, size, right);
-    }
-
-    /// Subtracts the effect of the floor from the derivatives of the residual of the tops.
-    fn linearise(&mut self, equations: &Equations<'_>, contacts: &Contacts, matrix: &mut Matrix) {
-        let (size, unknowns) = (equations.modes(), contacts.moments.len());
-        let count = self.touched.len();
-        // By rows: those of the residual for every cell, and by columns: the displacement of every cell with every component of a step.
-        let mut acting = Matrix::zeros(unknowns, count);
-        let mut sinking = Matrix::zeros(count, unknowns);
-        let mut load = equations.rule.workspace();
-        let mut reduced = vec![0.0; size];
-        for (k, cell) in self.touched.iter().enumerate() {
-            let one = std::iter::once((self.cells[*cell].centre, 1.0));
-            let force = FloorForces::new(equations.layout, one);
-            let potential = |at| force.potential(at);
-            for (number, (disc, moments)) in (contacts
-                .discs
-                .iter()
-                .zip(contacts.moments.chunks_exact(size)))
-            .enumerate()
-            {
-                equations
-                    .rule
-                    .fill(potential, (disc.centre, disc.radius), &mut load);
-                let place = number * size..(number + 1) * size;
-                acting.column_mut(k)[place.clone()].copy_from_slice(&load.value);
-                let moved = [0, 1, 2].map(|along| dot(&load.slopes[along], moments));
-                let rim = equations.rim(disc.asperity);
-                (equations.edge).reduce_scalar(disc, rim, (&load.value, moved), &mut reduced);
-                for (column, value) in place.zip(&reduced) {
-                    sinking.column_mut(column)[k] = *value;
-                }
-            }
-        }
-        let mut row = vec![0.0; unknowns];
-        for (column, row) in row.iter_mut().enumerate() {
-            let column = sinking.column_mut(column);
-            self.solve(column);
-            *row = -column.iter().sum::<f64>();
-        }
-        matrix.add_product(-1.0, &acting, &sinking);
-        let mut by_indentation = vec![1.0; count];
-        self.solve(&mut by_indentation);
-        self.rates = FloorRates {
-            residual: acting.times(&by_indentation),
-            force: by_indentation.iter().sum(),
-            row,
-        };
-    }
-}
-
-impl Equations<'_> {
-    /// The pressures on all discs as point forces at the points of the rule.
-    fn as_forces(&self, contacts: &Contacts) -> FloorForces {
-        let of_disc = |((centre, radius), moments): ((Point, f64), &[f64])| {
-            let force = |(point, row): (&Point, &[f64])| {
-                let at = [0, 1].map(|k| centre[k] + radius * point[k]);
-                (at, dot(row, moments))
-            };
-            self.rule.rows().map(force).collect::<Vec<_>>()
-        };
-        FloorForces::new(self.layout, contacts.loaded().flat_map(of_disc))
-    }
-
-    /// Solves the floor, if it is part of the equations, under these tops. Returns whether the cells in contact were found.
-    pub(crate) fn close_floor(&mut self, contacts: &Contacts) -> bool {
-        let Some(mut ground) = self.ground.take() else {
-            return true;
-        };
-        let is_closed = ground.close(self, contacts);
-        self.floor = FloorForces::new(self.layout, ground.point_forces());
-        self.ground = Some(ground);
-        is_closed
-    }
-
-    /// Adds the changes of the forces on the floor to the derivatives of the residual.
-    pub(super) fn linearise_floor(&mut self, contacts: &Contacts, matrix: &mut Matrix) {
-        if let Some(mut ground) = self.ground.take() {
-            ground.linearise(self, contacts, matrix);
-            self.ground = Some(ground);
-        }
-    }
-
-    /// Derivatives of the force on the floor, if it is part of the equations.
-    pub(crate) fn floor_rates(&self) -> Option<&FloorRates> {
-        self.ground.as_ref().map(|ground| &ground.rates)
-    }
-
-    /// Force on the floor, if it is part of the equations.
-    pub(crate) fn force_on_floor(&self) -> f64 {
-        self.ground.as_ref().map_or(0.0, LoadedFloor::force)
-    }
-}
-
-impl FloorForces {
-    /// Their displacement at a point, with its derivatives.
-    fn potential(&self, at: Point) -> Jet {
-        let mut jet = Jet {
-            value: 0.0,
-            slope: [0.0; 2],
-            bend: [0.0; 3],
-        };
-        self.subtract(at, &mut jet);
-        Jet {
-            value: -jet.value,
-            slope: jet.slope.map(|x| -x),
-            bend: jet.bend.map(|x| -x),
-        }
-    }
-}
-
-impl Layout {
-    /// Largest height to which the surface is lifted beside these contacts: that of the edge of one of them, where it is highest.
-    pub(super) fn lifted_edges(&self, contacts: &Contacts) -> f64 {
-        let discs = contacts.discs.iter().zip(contacts.loaded());
-        let edges = discs.map(|(disc, (_, moments))| {
-            let middle = self.overlap(disc.asperity, disc.centre).value + contacts.indentation;
-            let curvature = self.summits[disc.asperity].curvature;
-            let column = self.asperities[disc.asperity].column_compliance;
-            let shortened = column * UNIT_FORCE * moments[0].abs();
-            0.5 * curvature * disc.radius * disc.radius + shortened - middle
-        });
-        edges.fold(0.0, f64::max)
     }
 }

@@ -557,6 +557,7 @@ impl<'a> Followed<'a> {
     pub(super) fn unload(&mut self, first: f64) -> Result<(), SolveError> {
         let whole = ((self.cells.held.indentation - first) / STEPS).max(self.step);
         let mut step = whole;
+        self.record(Course::Unloading);
         for _ in 0..STEP_LIMIT {
             if self.cells.held.count() == 0 || self.cells.failed.is_some() {
                 return Ok(());
