@@ -45,7 +45,8 @@ def test_a_sphere_is_pulled_off_a_flat_map():
     assert surface.adhesion == fakir.Adhesion(0.05)
     cycle = surface.cycle(to="0.2 um")
     flat = fakir.FlatSystem(lens, substrate, adhesion="50 mJ/m2").cycle(to="0.2 um")
-    assert flat.pull_off_force == pytest.approx(-1.5 * np.pi * 0.05 * 0.2e-3)
+    # A sphere, which is not quite the paraboloid of the closed form.
+    assert flat.pull_off_force == pytest.approx(-1.5 * np.pi * 0.05 * 0.2e-3, rel=5e-3)
     assert cycle.pull_off_force == pytest.approx(flat.pull_off_force, rel=cycle.error.pull_off_force)
     assert cycle.turn.pressure_map.min() < 0 < cycle.turn.pressure_map.max()
     assert cycle.pull_off.force == cycle.force.min() == cycle.pull_off_force
