@@ -102,11 +102,17 @@ fn of_kinds() -> Value {
     };
     let flat = both(refused(&|key| !key.is_on_flat()), of(Part::OF_FLAT));
     let (map, pattern) = (Key::HeightMap, Key::Arrangement);
-    let of_pillars = [Part::Shape, Part::Adhesion, Part::PillarPattern];
     let on_map = |kind: Part, other: Part| {
         both(
-            refused(&|key| key.part() == other || of_pillars.contains(&key.part())),
-            of(&[Part::Bodies, Part::Surface, kind]),
+            refused(&|key| [other, Part::PillarPattern].contains(&key.part())),
+            of(&[
+                Part::Bodies,
+                Part::Shape,
+                Part::Surface,
+                kind,
+                Part::Adhesion,
+                Part::AdhesionOnFloor,
+            ]),
         )
     };
     let surface = all(vec![

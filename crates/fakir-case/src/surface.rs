@@ -234,6 +234,7 @@ impl CaseFile {
             Part::Interactions,
             Part::InteractionsOnFloor,
             Part::Adhesion,
+            Part::AdhesionOnFloor,
         ])?;
         self.answers(Question::Press, Solver::HeightMap, &self.features(&parts))?;
         Ok((kind, parts))

@@ -40,8 +40,10 @@ pub(crate) enum Part {
     Bodies,
     /// The shape of the lens, of pillars with flat or rounded tops and of flat surfaces.
     Shape,
-    /// Adhesion, of the same.
+    /// Adhesion, of every surface.
     Adhesion,
+    /// That of the floor, of every surface but a flat one.
+    AdhesionOnFloor,
     /// Interactions that do not change the normal contact, of every surface.
     Interactions,
     /// Those on the floor, of every surface but a flat one.
@@ -64,6 +66,7 @@ impl Part {
         Self::Bodies,
         Self::Shape,
         Self::Adhesion,
+        Self::AdhesionOnFloor,
         Self::PillarPattern,
         Self::Interactions,
         Self::InteractionsOnFloor,
@@ -270,7 +273,7 @@ keys! {
                 .of(Quantity::RecedingWorkOfAdhesion)
                 .unwritten(|p| !p.pattern.adhesion.recedes);
     }
-    PillarPattern {
+    AdhesionOnFloor {
         AdhesiveFloor = "adhesion.floor" is
             word("true: the floor is adhesive too; the lens jumps onto it at first contact", |p| &mut p.pattern.adhesion.floor)
                 .label("adhesive floor").optional()

@@ -57,6 +57,9 @@ const PRODUCT_LIMIT: usize = 500;
 const SEARCH_LIMIT: usize = 40;
 pub(super) const FORCE_TOLERANCE: f64 = 1e-6;
 
+/// A cell of a floor without adhesion that has detached this many times at one indentation stays detached there, so that cells do not alternate.
+const MOST_PARTINGS: u8 = 3;
+
 /// Largest ratio of the sides of a cell: the laws of fronts hold on square cells.
 const LONGEST_CELL: f64 = 1.1;
 
@@ -78,8 +81,9 @@ pub(super) struct AdhesiveCells<'a> {
     cells: Cells,
     operator: Columns<Preconditioned<'a, HalfSpace<'a>, f32>>,
     separation: Vec<f64>,
-    /// Cells of a floor without adhesion.
+    /// Cells of a floor without adhesion, and how many times each has detached at this indentation.
     plain: Option<Vec<bool>>,
+    parted: Vec<u8>,
     fronts: FloorFronts,
     cell_area: f64,
     modulus: f64,
@@ -216,7 +220,7 @@ impl AdhesiveCells<'_> {
             plain[*cell]
                 && held.bonded[*cell] != attach
                 && if attach {
-                    self.gap(*cell) < -entered
+                    self.gap(*cell) < -entered && self.parted[*cell] < MOST_PARTINGS
                 } else {
                     held.pressure[*cell] < 0.0
                 }
@@ -242,6 +246,7 @@ impl AdhesiveCells<'_> {
         self.held.indentation = indentation;
         self.settle(MOVING * self.opening);
         self.fronts.lift_bans();
+        self.parted.fill(0);
         let mut take_backs = 0;
         let mut is_fine = false;
         for _ in 0..ROUND_LIMIT {
@@ -264,6 +269,9 @@ impl AdhesiveCells<'_> {
             is_fine = false;
             if self.held.count() < least || self.cancel.is_cancelled() {
                 return;
+            }
+            for cell in &moves[1] {
+                self.parted[*cell] = self.parted[*cell].saturating_add(1);
             }
             for (cells, bonds) in moves.iter().zip([true, false]) {
                 let near = self.fronts.shift(&mut self.held.bonded, cells, bonds);
@@ -368,6 +376,7 @@ impl<'a> Level<'a> {
                 .with_steps(STEEP * opening),
             operator,
             plain,
+            parted: vec![0; count],
             cell_area: grid.cell_area(),
             modulus,
             opening: opening * side,
