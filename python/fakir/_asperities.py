@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import AnyLens, Substrate, layer_numbers, layer_options, lens_of
-from ._cycle import Adhesion, Drive, checked_plan
+from ._cycle import Adhesion, Drive, checked_plan, cycle_rows, load_step_table
 from ._floor import FloorContact
 from ._format import Row, engineering
 from ._gradient import Gradient
@@ -525,26 +525,10 @@ class AsperityCycle(AsperityCycleNumbers):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every load step."""
-        import pandas
-
-        columns: dict[str, Any] = {
-            "branch": self.branch,
-            "indentation_m": self.indentation,
-            "force_N": self.force,
-            "contact_area_m2": self.contact_area,
-            "pillars_in_contact": self.tops_in_contact.astype(int),
-        }
-        return pandas.DataFrame(columns)
+        return load_step_table(self, contact_area_m2=self.contact_area, pillars_in_contact=self.tops_in_contact.astype(int))
 
     def _rows(self) -> list[Row]:
-        rows = [
-            ("loaded up to", f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}")
-        ]
-        if self.pull_off_force is not None:
-            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
-        if self.hysteresis is not None:
-            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
-        return [*rows, ("solution", self.termination)]
+        return cycle_rows(self)
 
 
 class HeightDesign(Result):

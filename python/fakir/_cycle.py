@@ -202,6 +202,29 @@ class Cycle(CycleNumbers):
         return rows
 
 
+def load_step_table(cycle: Any, **others: Any) -> pandas.DataFrame:
+    """The curve of a cycle of another surface than pillars with flat tops, with further columns: those of ``cycle.csv``."""
+    import pandas
+
+    columns: dict[str, Any] = {
+        "branch": cycle.branch,
+        "indentation_m": cycle.indentation,
+        "force_N": cycle.force,
+    }
+    return pandas.DataFrame(columns | others)
+
+
+def cycle_rows(cycle: Any) -> list[Row]:
+    """The end of loading, the pull-off and the hysteresis of such a cycle."""
+    turn = f"{engineering(cycle.turn_force, 'N')} at {engineering(cycle.turn_indentation, 'm')}"
+    rows = [("loaded up to", turn)]
+    if cycle.pull_off_force is not None:
+        rows.append(("pull-off force", engineering(cycle.pull_off_force, "N")))
+    if cycle.hysteresis is not None:
+        rows.append(("hysteresis", engineering(cycle.hysteresis, "J")))
+    return [*rows, ("solution", cycle.termination)]
+
+
 Plan = tuple[float | None, float | None, Drive, float | None, bool]
 """Indentation and force at the end of loading, loading mode, stiffness, and whether there is unloading, in SI units."""
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from . import _fakir
 from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
-from ._cycle import Adhesion, Drive, plan_with_end
+from ._cycle import Adhesion, Drive, cycle_rows, load_step_table, plan_with_end
 from ._format import Row, Shown, engineering
 from ._gradient import Gradient
 from ._history import Viscoelastic
@@ -360,22 +360,7 @@ class FlatCycle(FlatCycleNumbers):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every load step: the columns of ``cycle.csv``."""
-        import pandas
-
-        columns: dict[str, Any] = {
-            "branch": self.branch,
-            "indentation_m": self.indentation,
-            "force_N": self.force,
-            "contact_radius_m": self.contact_radius,
-        }
-        return pandas.DataFrame(columns)
+        return load_step_table(self, contact_radius_m=self.contact_radius)
 
     def _rows(self) -> list[Row]:
-        rows = [
-            ("loaded up to", f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}")
-        ]
-        if self.pull_off_force is not None:
-            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
-        if self.hysteresis is not None:
-            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
-        return [*rows, ("solution", self.termination)]
+        return cycle_rows(self)

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _fakir
 from ._bodies import AnyLens, Lens, Substrate, layer_numbers, layer_options, lens_of, shape_of
-from ._cycle import Adhesion
+from ._cycle import Adhesion, checked_plan, cycle_rows, load_step_table
 from ._format import Row, engineering, remark
 from ._history import Viscoelastic
 from ._loading import Loading, checked_path, in_order
@@ -309,10 +309,7 @@ class Surface(Viscoelastic):
 
         Loading ends at an indentation (m), at a force (N), or, on a surface with a floor, at the critical state.
         """
-        if to is not None and to_force is not None:
-            raise TypeError("a loading has one end: give one of to and to_force")
-        length = None if to is None else si(to, "length", "to")
-        force = None if to_force is None else si(to_force, "force", "to_force")
+        length, force, *_ = checked_plan(to, to_force, "displacement", None, retract)
         run = options(threads, progress, memory_limit)
         answer, curve, turn, pull_off = _fakir.cycle_surface(self._surface, length, force, retract, run)
         warn(answer.warnings)
@@ -478,24 +475,10 @@ class SurfaceCycle(SurfaceCycleNumbers):
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table, one row for every load step: the columns of ``cycle.csv``."""
-        import pandas
-
-        columns: dict[str, Any] = {
-            "branch": self.branch,
-            "indentation_m": self.indentation,
-            "force_N": self.force,
-            "contact_area_m2": self.contact_area,
-        }
-        return pandas.DataFrame(columns)
+        return load_step_table(self, contact_area_m2=self.contact_area)
 
     def _rows(self) -> list[Row]:
-        turn = f"{engineering(self.turn_force, 'N')} at {engineering(self.turn_indentation, 'm')}"
-        rows = [("loaded up to", turn)]
-        if self.pull_off_force is not None:
-            rows.append(("pull-off force", engineering(self.pull_off_force, "N")))
-        if self.hysteresis is not None:
-            rows.append(("hysteresis", engineering(self.hysteresis, "J")))
-        return [*rows, ("solution", self.termination)]
+        return cycle_rows(self)
 
 
 class SurfaceApproach(Loading[SurfaceContact]):

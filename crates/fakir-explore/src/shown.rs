@@ -330,10 +330,8 @@ impl Shown for Case {
         let plan = unloading_from(from);
         let cycle = fakir::follow_cycle(&self.system, plan, self.method, &worker.run(), &|_| {})?;
         let steps = cycle.stations.iter();
-        let steps = steps.filter(|step| step.branch == Branch::Unloading);
-        Ok(Some(
-            steps.map(|step| [step.indentation, step.force]).collect(),
-        ))
+        let steps = steps.map(|step| (step.branch, [step.indentation, step.force]));
+        Ok(Some(on_unloading(steps)))
     }
 
     fn pillar_table(&self, state: &ContactState) -> Option<Vec<u8>> {
@@ -503,10 +501,8 @@ impl Shown for AsperityCase {
         let plan = unloading_from(from);
         let cycle = self.field.cycle(plan, self.accuracy, &worker.run())?;
         let steps = cycle.load_steps.iter();
-        let steps = steps.filter(|step| step.branch == Branch::Unloading);
-        Ok(Some(
-            steps.map(|step| [step.indentation, step.force]).collect(),
-        ))
+        let steps = steps.map(|step| (step.branch, [step.indentation, step.force]));
+        Ok(Some(on_unloading(steps)))
     }
 
     fn pillar_table(&self, contact: &AsperityContact) -> Option<Vec<u8>> {
@@ -626,10 +622,8 @@ impl Shown for FlatCase {
         }
         let cycle = self.system.cycle(&unloading_from(from), &worker.run())?;
         let steps = cycle.load_steps.iter();
-        let steps = steps.filter(|step| step.branch == Branch::Unloading);
-        Ok(Some(
-            steps.map(|step| [step.indentation, step.force]).collect(),
-        ))
+        let steps = steps.map(|step| (step.branch, [step.indentation, step.force]));
+        Ok(Some(on_unloading(steps)))
     }
 
     fn pillar_table(&self, _: &FlatContact) -> Option<Vec<u8>> {
@@ -661,6 +655,14 @@ fn unloading_from(indentation: f64) -> CyclePlan {
         turn: UnloadingPoint::Indentation(indentation),
         ..CyclePlan::default()
     }
+}
+
+/// Indentations and forces of the load steps on unloading.
+fn on_unloading(steps: impl Iterator<Item = (Branch, [f64; 2])>) -> Vec<[f64; 2]> {
+    steps
+        .filter(|(branch, _)| *branch == Branch::Unloading)
+        .map(|(_, point)| point)
+        .collect()
 }
 
 fn no_such_figure(surface: &str, accepted: &str) -> Failure {
@@ -832,17 +834,21 @@ pub(crate) fn section(
     }
 }
 
+/// Indentation, m, from which fractions of the path to the critical state are counted.
+fn start<S: Shown>(case: &S, critical: f64) -> f64 {
+    let touch = case.touch();
+    if touch < critical { touch } else { 0.0 }
+}
+
 /// Indentation, m, at a fraction of the path from first contact to the critical state.
 pub(crate) fn indentation<S: Shown>(case: &S, critical: f64, fraction: f64) -> f64 {
-    let touch = case.touch();
-    let touch = if touch < critical { touch } else { 0.0 };
+    let touch = start(case, critical);
     touch + fraction * (critical - touch)
 }
 
 /// Fraction of the path from first contact to the critical state at an indentation, m; 0 before contact.
 pub(crate) fn position(case: &Case, critical: f64, indentation: f64) -> f64 {
-    let touch = case.touch();
-    let touch = if touch < critical { touch } else { 0.0 };
+    let touch = start(case, critical);
     ((indentation - touch) / (critical - touch)).max(0.0)
 }
 

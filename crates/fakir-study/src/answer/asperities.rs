@@ -389,14 +389,12 @@ pub fn turn_and_pull_off_of_tops(list: &mut QuantityList, cycle: &AsperityCycle)
         }
         _ => remark(error.force),
     };
-    list.quantity(
+    list.state(
         "loaded up to a force of",
-        turn.force,
-        Dimension::Force,
-        digits(error.force),
+        [turn.force, error.force],
+        turn.indentation,
         turn_remark,
     )
-    .length("  at an indentation of", turn.indentation, String::new())
     .area(
         "  with a contact area of",
         turn.area,
@@ -411,17 +409,11 @@ pub fn turn_and_pull_off_of_tops(list: &mut QuantityList, cycle: &AsperityCycle)
     );
     if let Some(pull_off) = &cycle.pull_off {
         let error = cycle.errors.pull_off_force;
-        list.quantity(
+        list.state(
             "pull-off force",
-            pull_off.force,
-            Dimension::Force,
-            digits(error),
-            remark(error),
-        )
-        .length(
-            "  at an indentation of",
+            [pull_off.force, error],
             pull_off.indentation,
-            String::new(),
+            remark(error),
         )
         .row(
             "  with pillars in contact",

@@ -1,6 +1,6 @@
 //! A flat surface.
 
-use super::kind::{Context, Found, Kind, Reached, Saved};
+use super::kind::{Context, Found, Kind, Reached, Saved, saved_curve};
 use super::request::{AnswerError, Details, Request, Running};
 use crate::citations::Topic;
 use crate::figures::saved;
@@ -257,34 +257,22 @@ impl Found<FlatCase> for FlatCycle {
     fn text(&self, of: &Context<'_, FlatCase>) -> String {
         let [case, method] = of.case.lines();
         let mut list = QuantityList::default();
-        list.quantity(
+        list.state(
             "jump into contact",
-            self.jump.force,
-            Dimension::Force,
-            digits(self.jump.error.force),
-            remark(self.jump.error.force),
-        )
-        .length(
-            "  at an indentation of",
+            [self.jump.force, self.jump.error.force],
             self.jump.indentation,
-            String::new(),
+            remark(self.jump.error.force),
         )
         .length(
             "  with a contact radius of",
             self.jump.contact_radius,
             String::new(),
         )
-        .quantity(
+        .state(
             "loaded up to a force of",
-            self.turn.force,
-            Dimension::Force,
-            digits(self.turn.error.force),
-            remark(self.turn.error.force),
-        )
-        .length(
-            "  at an indentation of",
+            [self.turn.force, self.turn.error.force],
             self.turn.indentation,
-            String::new(),
+            remark(self.turn.error.force),
         )
         .length(
             "  with a contact radius of",
@@ -292,17 +280,11 @@ impl Found<FlatCase> for FlatCycle {
             String::new(),
         );
         if let Some(pull_off) = &self.pull_off {
-            list.quantity(
+            list.state(
                 "pull-off force",
-                pull_off.force,
-                Dimension::Force,
-                digits(pull_off.error.force),
-                remark(pull_off.error.force),
-            )
-            .length(
-                "  at an indentation of",
+                [pull_off.force, pull_off.error.force],
                 pull_off.indentation,
-                String::new(),
+                remark(pull_off.error.force),
             )
             .length(
                 "  with a contact radius of",
@@ -356,13 +338,6 @@ impl Found<FlatCase> for FlatCycle {
             force_N: step.force,
             contact_radius_m: step.contact_radius,
         });
-        let mut files = vec![csv("cycle.csv", rows)];
-        if let Ok(figure) = flat_cycle(self) {
-            files.extend(saved(figure, provenance));
-        }
-        Ok(Saved {
-            files,
-            warnings: Vec::new(),
-        })
+        Ok(saved_curve(rows, flat_cycle(self), provenance))
     }
 }

@@ -3,12 +3,16 @@
 use super::request::{AnswerError, Details, Request, Running};
 use crate::approach::{Loadable, unsupported};
 use crate::citations::Topic;
+use crate::figures::saved;
 use crate::output::File;
 use crate::provenance::Provenance;
 use crate::record::{GradientObject, Record};
 use crate::report::state::QuantityList;
+use crate::result::csv;
 use fakir::problem::{CyclePlan, Interactions, Load, Point, Question, Solver};
 use fakir::state::{Critical, Limit, Regime, Run};
+use fakir_figure::{Figure, FigureError};
+use serde::Serialize;
 
 /// Contacts of cases of this kind.
 pub(super) type ContactOf<K> = <<K as Kind>::Problem as Loadable>::Contact;
@@ -129,6 +133,22 @@ impl<C> Reached<C> {
 pub(super) struct Saved {
     pub(super) files: Vec<File>,
     pub(super) warnings: Vec<String>,
+}
+
+/// Saves the load steps of a cycle, and their figure if it has enough of them.
+pub(super) fn saved_curve<R: Serialize>(
+    rows: impl Iterator<Item = R>,
+    figure: Result<Figure, FigureError>,
+    provenance: &Provenance,
+) -> Saved {
+    let mut files = vec![csv("cycle.csv", rows)];
+    if let Ok(figure) = figure {
+        files.extend(saved(figure, provenance));
+    }
+    Saved {
+        files,
+        warnings: Vec::new(),
+    }
 }
 
 /// The case, and the options of the output.

@@ -1,17 +1,15 @@
 //! Cycles of loading and unloading of height maps with adhesion.
 
-use super::kind::{Context, Found, Kind, Saved};
+use super::kind::{Context, Found, Kind, Saved, saved_curve};
 use super::request::{AnswerError, Running};
-use crate::figures::saved;
-use crate::numbers::{LENGTH_DIGITS, digits, seconds};
+use crate::numbers::{LENGTH_DIGITS, seconds};
 use crate::provenance::Provenance;
 use crate::record::{Record, SurfaceAnswer};
-use crate::report::state::{QuantityList, alone, drive_words, error_remark, remark};
-use crate::result::{csv, json, surface_cycle, surface_cycle_warnings};
+use crate::report::state::{QuantityList, drive_words, remark};
+use crate::result::{json, surface_cycle, surface_cycle_warnings};
 use fakir::problem::{CyclePlan, LoadingMode, UnloadingPoint};
 use fakir::state::{Limit, Solution, SurfaceCycle};
 use fakir_case::SurfaceCase;
-use fakir_case::unit::Dimension;
 use serde::Serialize;
 
 /// A row of `cycle.csv`.
@@ -55,7 +53,7 @@ impl Found<SurfaceCase> for SurfaceCycle {
     }
 
     fn records(&self, case: &SurfaceCase) -> Vec<Record> {
-        vec![Record::of(&self.of(case))]
+        vec![Record::of(&answer(self, case))]
     }
 
     fn is_answer(&self) -> bool {
@@ -67,7 +65,7 @@ impl Found<SurfaceCase> for SurfaceCycle {
     }
 
     fn json(&self, of: &Context<'_, SurfaceCase>) -> String {
-        json(&surface_cycle(&self.of(of.case), of.wall_time))
+        json(&surface_cycle(&answer(self, of.case), of.wall_time))
     }
 
     fn text(&self, of: &Context<'_, SurfaceCase>) -> String {
@@ -79,7 +77,7 @@ impl Found<SurfaceCase> for SurfaceCycle {
         }
         let error = self.errors.map_or(f64::NAN, |errors| errors.loop_area);
         list.works(self.work_of_separation, self.loop_area, error);
-        list.interactions(&Record::of(&self.of(of.case)));
+        list.interactions(&Record::of(&answer(self, of.case)));
         list.limits(&self.limits(of));
         list.row(
             "load steps",
@@ -123,28 +121,18 @@ impl Found<SurfaceCase> for SurfaceCycle {
             force_N: step.force,
             contact_area_m2: step.contact_area,
         });
-        let mut files = vec![csv("cycle.csv", rows)];
-        if let Ok(figure) = fakir_figure::surface_cycle(self) {
-            files.extend(saved(figure, provenance));
-        }
-        Ok(Saved {
-            files,
-            warnings: Vec::new(),
-        })
+        Ok(saved_curve(
+            rows,
+            fakir_figure::surface_cycle(self),
+            provenance,
+        ))
     }
 }
 
-/// A part of the answers about a cycle.
-trait Of {
-    fn of<'a>(&'a self, case: &'a SurfaceCase) -> SurfaceAnswer<'a, SurfaceCycle>;
-}
-
-impl Of for SurfaceCycle {
-    fn of<'a>(&'a self, case: &'a SurfaceCase) -> SurfaceAnswer<'a, SurfaceCycle> {
-        SurfaceAnswer {
-            system: &case.system,
-            answer: self,
-        }
+fn answer<'a>(cycle: &'a SurfaceCycle, case: &'a SurfaceCase) -> SurfaceAnswer<'a, SurfaceCycle> {
+    SurfaceAnswer {
+        system: &case.system,
+        answer: cycle,
     }
 }
 
@@ -152,14 +140,12 @@ impl Of for SurfaceCycle {
 fn turn_and_pull_off_of_surface(list: &mut QuantityList, cycle: &SurfaceCycle) {
     let turn = &cycle.turn;
     let error = turn.error.map_or(f64::NAN, |error| error.force);
-    list.quantity(
+    list.state(
         "loaded up to a force of",
-        turn.force,
-        Dimension::Force,
-        digits(error),
-        alone(&error_remark(error)),
+        [turn.force, error],
+        turn.indentation,
+        remark(error),
     )
-    .length("  at an indentation of", turn.indentation, String::new())
     .area(
         "  with a contact area of",
         turn.contact_area,
@@ -170,17 +156,11 @@ fn turn_and_pull_off_of_surface(list: &mut QuantityList, cycle: &SurfaceCycle) {
         let error = cycle
             .errors
             .map_or(f64::NAN, |errors| errors.pull_off_force);
-        list.quantity(
+        list.state(
             "pull-off force",
-            pull_off.force,
-            Dimension::Force,
-            digits(error),
-            remark(error),
-        )
-        .length(
-            "  at an indentation of",
+            [pull_off.force, error],
             pull_off.indentation,
-            String::new(),
+            remark(error),
         )
         .area(
             "  with a contact area of",

@@ -1,14 +1,16 @@
 //! The numbers of contacts and cycles with rounded pillar tops.
 
-use super::contact::{MayReachFloor, common, critical_load, floor, floor_errors, load};
+use super::contact::{
+    MayReachFloor, PULL_OFF, common, critical_load, first_contact, floor, floor_errors, load,
+    pull_off, turn,
+};
 use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
 use super::surface::indenter_name;
 use fakir::problem::{AsperityArray, ContactAreas, Interactions, ShapedLens};
 use fakir::state::{
-    AsperityContact, AsperityCycle, AsperityErrors, AsperityLoadStep, AsperityState, Critical,
-    PillarStatus,
+    AsperityContact, AsperityCycle, AsperityErrors, AsperityState, Critical, PillarStatus,
 };
 use fakir_case::AsperityCase;
 
@@ -306,17 +308,10 @@ impl Interacting for AsperityAnswer<'_> {
     }
 }
 
-fn first_contact(cycle: &AsperityCycle) -> Option<&AsperityLoadStep> {
-    cycle.load_steps.get(cycle.first_contact?)
-}
-
 impl Recorded for AsperityCycle {
     const KIND: Kind = Kind::AsperityCycle;
 
     fn rows() -> Vec<Named<Self>> {
-        let pull_off = |path, meaning, of: fn(&AsperityContact) -> f64| {
-            Named::number_if_any(path, meaning, move |it: &Self| it.pull_off.as_ref().map(of))
-        };
         let mut rows = vec![
             Named::word("method", "`spectral`", |_: &Self| Some("spectral")),
             Named::word(
@@ -324,34 +319,21 @@ impl Recorded for AsperityCycle {
                 "loading mode, the quantity that is constant during a jump: `displacement`, `force` or `machine`",
                 |it: &Self| Some(it.plan.drive.name()),
             ),
-            Named::number_if_any(
-                "first_contact_indentation_m",
-                "indentation at first contact",
-                |it: &Self| Some(first_contact(it)?.indentation),
-            )
-            .in_objects(),
-            Named::number_if_any(
-                "first_contact_force_N",
-                "force after first contact",
-                |it: &Self| Some(first_contact(it)?.force),
-            )
-            .in_objects(),
+        ];
+        rows.extend(first_contact(|it: &Self| {
+            let step = it.load_steps.get(it.first_contact?)?;
+            Some([step.indentation, step.force])
+        }));
+        rows.push(
             Named::number_if_any(
                 "zero_load_indentation_m",
                 "equilibrium indentation without load",
                 |it: &Self| it.zero_load_indentation,
             )
             .in_objects(),
-            Named::number(
-                "turn_force_N",
-                "force at the end of loading",
-                |it: &Self| it.turn.force,
-            ),
-            Named::number(
-                "turn_indentation_m",
-                "indentation at the end of loading",
-                |it: &Self| it.turn.indentation,
-            ),
+        );
+        rows.extend(turn(|it: &Self| [it.turn.force, it.turn.indentation]));
+        rows.extend([
             Named::number(
                 "turn_contact_area_m2",
                 "area of all contacts at the end of loading",
@@ -362,18 +344,16 @@ impl Recorded for AsperityCycle {
                 "pillars in contact at the end of loading",
                 |it: &Self| it.turn.touched(),
             ),
-            pull_off(
-                "pull_off_force_N",
-                "largest tensile force on unloading, negative; `null` if there is none",
-                |it| it.force,
-            ),
-            pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
-                it.indentation
-            }),
-            pull_off(
+        ]);
+        rows.extend(pull_off(PULL_OFF, |it: &Self| {
+            let contact = it.pull_off.as_ref()?;
+            Some([contact.force, contact.indentation])
+        }));
+        rows.extend([
+            Named::number_if_any(
                 "pull_off_contact_area_m2",
                 "area of all contacts at pull-off",
-                |it| it.area,
+                |it: &Self| Some(it.pull_off.as_ref()?.area),
             ),
             Named::count_if_any(
                 "pull_off_pillars_in_contact",
@@ -421,7 +401,7 @@ impl Recorded for AsperityCycle {
                 "estimated relative error of the hysteresis",
                 |it: &Self| it.loop_area.map(|_| it.errors.loop_area),
             ),
-        ];
+        ]);
         rows.extend(common());
         rows
     }

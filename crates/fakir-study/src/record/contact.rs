@@ -25,6 +25,59 @@ pub(super) fn load<T: Contact + 'static>() -> [Named<T>; 3] {
     ]
 }
 
+/// Indentation and force after the first contact of a cycle, if there is one.
+pub(super) fn first_contact<T: 'static>(of: fn(&T) -> Option<[f64; 2]>) -> [Named<T>; 2] {
+    [
+        Named::number_if_any(
+            "first_contact_indentation_m",
+            "indentation at first contact",
+            move |it: &T| Some(of(it)?[0]),
+        )
+        .in_objects(),
+        Named::number_if_any(
+            "first_contact_force_N",
+            "force after first contact",
+            move |it: &T| Some(of(it)?[1]),
+        )
+        .in_objects(),
+    ]
+}
+
+/// Force and indentation at the end of the loading of a cycle.
+pub(super) fn turn<T: 'static>(of: fn(&T) -> [f64; 2]) -> [Named<T>; 2] {
+    [
+        Named::number(
+            "turn_force_N",
+            "force at the end of loading",
+            move |it: &T| of(it)[0],
+        ),
+        Named::number(
+            "turn_indentation_m",
+            "indentation at the end of loading",
+            move |it: &T| of(it)[1],
+        ),
+    ]
+}
+
+/// Force and indentation at the pull-off of a cycle, if there is one.
+pub(super) fn pull_off<T: 'static>(
+    meaning: &'static str,
+    of: fn(&T) -> Option<[f64; 2]>,
+) -> [Named<T>; 2] {
+    [
+        Named::number_if_any("pull_off_force_N", meaning, move |it: &T| Some(of(it)?[0])),
+        Named::number_if_any(
+            "pull_off_indentation_m",
+            "indentation at pull-off",
+            move |it: &T| Some(of(it)?[1]),
+        ),
+    ]
+}
+
+/// What the pull-off force is.
+pub(super) const PULL_OFF: &str =
+    "largest tensile force on unloading, negative; `null` if there is none";
+
 /// The same for any critical state, and what is met first.
 pub(super) fn critical_load<C: Contact + 'static>() -> [Named<Critical<C>>; 5] {
     [

@@ -1,6 +1,6 @@
 //! The numbers of cycles of loading and unloading.
 
-use super::contact::common;
+use super::contact::{PULL_OFF, common, first_contact, pull_off, turn};
 use super::interactions;
 use super::named::{Kind, Named, Recorded};
 use fakir::problem::Method;
@@ -83,10 +83,6 @@ fn parting(cycle: &Cycle) -> f64 {
     cycle.system.adhesion().receding() * areas.fold(0.0, f64::max)
 }
 
-fn first_contact(cycle: &Cycle) -> Option<&CycleLoadStep> {
-    cycle.stations.get(cycle.first_contact?)
-}
-
 /// The floor after the jump onto it, and the state then.
 fn jump(cycle: &Cycle) -> Option<(&CycleLoadStep, HeldFloor)> {
     cycle.floor?;
@@ -95,19 +91,12 @@ fn jump(cycle: &Cycle) -> Option<(&CycleLoadStep, HeldFloor)> {
 }
 
 fn loading() -> Vec<Named<Cycle>> {
-    vec![
-        Named::number_if_any(
-            "first_contact_indentation_m",
-            "indentation at first contact",
-            |it: &Cycle| Some(first_contact(it)?.indentation),
-        )
-        .in_objects(),
-        Named::number_if_any(
-            "first_contact_force_N",
-            "force after first contact",
-            |it: &Cycle| Some(first_contact(it)?.force),
-        )
-        .in_objects(),
+    let mut rows: Vec<Named<Cycle>> = first_contact(|it: &Cycle| {
+        let step = it.stations.get(it.first_contact?)?;
+        Some([step.indentation, step.force])
+    })
+    .into();
+    rows.extend([
         Named::number_if_any(
             "zero_load_indentation_m",
             "equilibrium indentation of a lens without load",
@@ -144,16 +133,9 @@ fn loading() -> Vec<Named<Cycle>> {
             |it: &Cycle| Some(it.critical.as_ref()?.contact.pillars_partially_in_contact),
         )
         .in_objects(),
-        Named::number(
-            "turn_force_N",
-            "force at the end of loading",
-            |it: &Cycle| it.turn.force,
-        ),
-        Named::number(
-            "turn_indentation_m",
-            "indentation at the end of loading",
-            |it: &Cycle| it.turn.indentation,
-        ),
+    ]);
+    rows.extend(turn(|it: &Cycle| [it.turn.force, it.turn.indentation]));
+    rows.extend([
         Named::number(
             "turn_contact_radius_m",
             "contact radius at the end of loading",
@@ -177,21 +159,17 @@ fn loading() -> Vec<Named<Cycle>> {
             |_: &Cycle| false,
         )
         .in_objects(),
-    ]
+    ]);
+    rows
 }
 
 fn unloading() -> Vec<Named<Cycle>> {
-    vec![
-        Named::number_if_any(
-            "pull_off_force_N",
-            "largest tensile force on unloading, negative; `null` if there is none",
-            |it: &Cycle| Some(it.pull_off.as_ref()?.force),
-        ),
-        Named::number_if_any(
-            "pull_off_indentation_m",
-            "indentation at pull-off",
-            |it: &Cycle| Some(it.pull_off.as_ref()?.indentation),
-        ),
+    let mut rows: Vec<Named<Cycle>> = pull_off(PULL_OFF, |it: &Cycle| {
+        let contact = it.pull_off.as_ref()?;
+        Some([contact.force, contact.indentation])
+    })
+    .into();
+    rows.extend([
         Named::count_if_any(
             "pull_off_pillars_in_contact",
             "pillars in contact at pull-off",
@@ -238,7 +216,8 @@ fn unloading() -> Vec<Named<Cycle>> {
             "relative difference of `dissipation_J` from `hysteresis_J`",
             Cycle::certificate,
         ),
-    ]
+    ]);
+    rows
 }
 
 /// Columns for an adhesive floor in tables; the object `floor` contains more numbers.

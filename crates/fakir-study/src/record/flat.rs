@@ -1,6 +1,6 @@
 //! The numbers of contacts and cycles with a flat surface.
 
-use super::contact::{common, common_of_states, load};
+use super::contact::{common, common_of_states, load, pull_off, turn};
 use super::interactions::{self, Interacting};
 use super::loading::LoadingState;
 use super::named::{Kind, Named, Recorded};
@@ -138,11 +138,6 @@ impl Recorded for FlatCycle {
     const KIND: Kind = Kind::FlatCycle;
 
     fn rows() -> Vec<Named<Self>> {
-        let pull_off = |path, meaning, of: fn(&FlatContact) -> f64| {
-            Named::number_if_any(path, meaning, move |it: &FlatCycle| {
-                it.pull_off.as_ref().map(of)
-            })
-        };
         let mut rows = vec![
             Named::word(
                 "drive",
@@ -160,33 +155,23 @@ impl Recorded for FlatCycle {
                 "force after the jump into contact",
                 |it: &FlatCycle| it.jump.force,
             ),
-            Named::number(
-                "turn_force_N",
-                "force at the end of loading",
-                |it: &FlatCycle| it.turn.force,
-            ),
-            Named::number(
-                "turn_indentation_m",
-                "indentation at the end of loading",
-                |it: &FlatCycle| it.turn.indentation,
-            ),
-            Named::number(
-                "turn_contact_radius_m",
-                "contact radius at the end of loading",
-                |it: &FlatCycle| it.turn.contact_radius,
-            ),
-            pull_off(
-                "pull_off_force_N",
-                "largest tensile force on unloading, negative; `null` without unloading",
-                |it| it.force,
-            ),
-            pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
-                it.indentation
-            }),
-            pull_off(
+        ];
+        rows.extend(turn(|it: &FlatCycle| [it.turn.force, it.turn.indentation]));
+        rows.push(Named::number(
+            "turn_contact_radius_m",
+            "contact radius at the end of loading",
+            |it: &FlatCycle| it.turn.contact_radius,
+        ));
+        let meaning = "largest tensile force on unloading, negative; `null` without unloading";
+        rows.extend(pull_off(meaning, |it: &FlatCycle| {
+            let contact = it.pull_off.as_ref()?;
+            Some([contact.force, contact.indentation])
+        }));
+        rows.extend([
+            Named::number_if_any(
                 "pull_off_contact_radius_m",
                 "contact radius at pull-off",
-                |it| it.contact_radius,
+                |it: &FlatCycle| Some(it.pull_off.as_ref()?.contact_radius),
             ),
             Named::number_if_any(
                 "last_release_indentation_m",
@@ -218,7 +203,7 @@ impl Recorded for FlatCycle {
                 "estimated relative error of the hysteresis",
                 |it: &FlatCycle| it.loop_area.map(|_| it.loop_area_error),
             ),
-        ];
+        ]);
         rows.extend(interactions::rows());
         rows.extend(common());
         rows

@@ -1,6 +1,6 @@
 //! The numbers of contacts and critical states with height maps.
 
-use super::contact::{common, critical_load, load};
+use super::contact::{PULL_OFF, common, critical_load, first_contact, load, pull_off, turn};
 use super::interactions::{self, Interacting};
 use super::named::{Kind, Named, Recorded};
 use super::object::Object;
@@ -8,8 +8,7 @@ use fakir::problem::{
     Boundary, ContactAreas, Grid, Indenter, Interactions, ShapedLens, SurfaceSystem,
 };
 use fakir::state::{
-    ErrorEstimate, SurfaceContact, SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep,
-    SurfaceTransition,
+    ErrorEstimate, SurfaceContact, SurfaceCycle, SurfaceCycleErrors, SurfaceTransition,
 };
 
 /// An answer about a height map, and its case.
@@ -232,67 +231,39 @@ impl Recorded for SurfaceAnswer<'_, SurfaceTransition> {
     }
 }
 
-fn first_contact(cycle: &SurfaceCycle) -> Option<&SurfaceLoadStep> {
-    cycle.load_steps.get(cycle.first_contact?)
-}
-
 /// Loading and unloading.
 fn cycle() -> Vec<Named<SurfaceCycle>> {
-    let pull_off = |path, meaning, of: fn(&SurfaceContact) -> f64| {
-        Named::number_if_any(path, meaning, move |it: &SurfaceCycle| {
-            it.pull_off.as_ref().map(of)
-        })
-    };
     let error = |path, meaning, of: fn(&SurfaceCycleErrors) -> f64| {
         Named::number_if_any(path, meaning, move |it: &SurfaceCycle| {
             it.errors.as_ref().map(of)
         })
     };
-    vec![
-        Named::word(
-            "drive",
-            "loading mode, the quantity that is constant during a jump: `displacement`",
-            |it: &SurfaceCycle| Some(it.plan.drive.name()),
-        ),
+    let mut rows = vec![Named::word(
+        "drive",
+        "loading mode, the quantity that is constant during a jump: `displacement`",
+        |it: &SurfaceCycle| Some(it.plan.drive.name()),
+    )];
+    rows.extend(first_contact(|it: &SurfaceCycle| {
+        let step = it.load_steps.get(it.first_contact?)?;
+        Some([step.indentation, step.force])
+    }));
+    rows.extend(turn(|it: &SurfaceCycle| {
+        [it.turn.force, it.turn.indentation]
+    }));
+    rows.push(Named::number(
+        "turn_contact_area_m2",
+        "contact area at the end of loading",
+        |it: &SurfaceCycle| it.turn.contact_area,
+    ));
+    rows.extend(pull_off(PULL_OFF, |it: &SurfaceCycle| {
+        let contact = it.pull_off.as_ref()?;
+        Some([contact.force, contact.indentation])
+    }));
+    rows.extend([
         Named::number_if_any(
-            "first_contact_indentation_m",
-            "indentation at first contact",
-            |it: &SurfaceCycle| Some(first_contact(it)?.indentation),
-        )
-        .in_objects(),
-        Named::number_if_any(
-            "first_contact_force_N",
-            "force after first contact",
-            |it: &SurfaceCycle| Some(first_contact(it)?.force),
-        )
-        .in_objects(),
-        Named::number(
-            "turn_force_N",
-            "force at the end of loading",
-            |it: &SurfaceCycle| it.turn.force,
-        ),
-        Named::number(
-            "turn_indentation_m",
-            "indentation at the end of loading",
-            |it: &SurfaceCycle| it.turn.indentation,
-        ),
-        Named::number(
-            "turn_contact_area_m2",
-            "contact area at the end of loading",
-            |it: &SurfaceCycle| it.turn.contact_area,
-        ),
-        pull_off(
-            "pull_off_force_N",
-            "largest tensile force on unloading, negative; `null` if there is none",
-            |it| it.force,
-        ),
-        pull_off("pull_off_indentation_m", "indentation at pull-off", |it| {
-            it.indentation
-        }),
-        pull_off(
             "pull_off_contact_area_m2",
             "contact area at pull-off",
-            |it| it.contact_area,
+            |it: &SurfaceCycle| Some(it.pull_off.as_ref()?.contact_area),
         ),
         Named::number_if_any(
             "last_release_indentation_m",
@@ -329,7 +300,8 @@ fn cycle() -> Vec<Named<SurfaceCycle>> {
             "estimated relative error of the hysteresis",
             |it| it.loop_area,
         ),
-    ]
+    ]);
+    rows
 }
 
 impl Recorded for SurfaceAnswer<'_, SurfaceCycle> {

@@ -359,6 +359,18 @@ impl QuantityList {
         self
     }
 
+    /// A state of a cycle: its force with a remark, and its indentation.
+    pub(crate) fn state(
+        &mut self,
+        name: &str,
+        [force, error]: [f64; 2],
+        indentation: f64,
+        remark: String,
+    ) -> &mut Self {
+        self.quantity(name, force, Dimension::Force, digits(error), remark)
+            .length("  at an indentation of", indentation, String::new())
+    }
+
     /// A contact radius, with the digits that its relative error leaves.
     pub fn radius(&mut self, name: &str, value: f64, error: f64, remark: String) -> &mut Self {
         let estimate = error_remark(error);

@@ -329,6 +329,7 @@ mod tests {
     use crate::solve::linearized::Source;
     use crate::solve::path::{Energies, FixedQuantity, Stop};
     use crate::solve::rules::floor_fronts::Laws;
+    use crate::solve::rules::floor_fronts::tests::{LawCheck, PUNCHES, Ratios};
     use crate::solve::rules::fronts::{Domain, Fronts, Works};
     use crate::state::{Run, Termination};
     use crate::theory::reference;
@@ -383,17 +384,14 @@ mod tests {
         let scene = bare(200.0);
         let division = Division::new(&scene.field, 100);
         let side = division.cell_area().sqrt();
-        let mut sums = [vec![[0.0; 2]; 9], vec![[0.0; 2]; 13]];
-        for (k, radius) in [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4]
-            .into_iter()
-            .enumerate()
-        {
+        let mut check = LawCheck::new(Laws::MEANS);
+        for (k, radius) in PUNCHES.into_iter().enumerate() {
             let mut path = path(&scene, &run, [1.0; 2]);
             let centre = [0.37 * k as f64, 0.21 * k as f64];
             flat_punch(&mut path, division, centre, radius);
             let floor = path.floor.as_ref().unwrap();
             let bonded = floor.bonded();
-            let effective = (bonded as f64 * division.cell_area() / PI).sqrt();
+            let effective = (bonded as f64 * division.cell_area() / PI).sqrt() / side;
             let distances = floor.fronts.distances();
             let loads = path.contact.floor_load();
             let pressures = path.contact.floor_coefficients();
@@ -403,35 +401,11 @@ mod tests {
                 .zip(pressures)
                 .zip(floor.cells.loaded())
             {
-                // Ratio to the exact values, without the effect of the curvature of the front, also on the smoothed set.
-                let distance = distance + 0.72 * side / effective;
-                let at = (effective - distance * side).max(0.0);
-                let (which, value, first) = if *bonded {
-                    let exact = (effective * effective - at * at).sqrt() * PI;
-                    (0, -pressure / side * exact, 1.0)
-                } else {
-                    let exact = 1.0 - 2.0 / PI * (effective / at).min(1.0).asin();
-                    (1, -load / exact, 0.2)
-                };
-                let at = ((distance.abs() - first) / 0.2).round();
-                if at >= 0.0
-                    && let Some([sum, count]) = sums[which].get_mut(at as usize)
-                    && (distance.abs() - first - 0.2 * at).abs() < 0.1
-                {
-                    *sum += value;
-                    *count += 1.0;
-                }
+                // A coefficient is the pressure times the side of a cell.
+                check.add(effective, *distance, *bonded, [*pressure, -load]);
             }
         }
-        for ((first, table), sums) in Laws::MEANS.tables().iter().zip(&sums) {
-            for (k, (own, [sum, count])) in table.iter().zip(sums).enumerate() {
-                let (distance, mean) = (first + 0.2 * k as f64, sum / count);
-                assert!(
-                    *count < 100.0 || (own - mean).abs() < 0.02,
-                    "{distance:.1}: {own} {mean} {count}"
-                );
-            }
-        }
+        check.finish();
     }
 
     /// Ratio of `K` from the local fit to the exact value, on round contacts with a prescribed set of cells: a flat punch, and a sphere at
@@ -442,7 +416,7 @@ mod tests {
         let division = Division::new(&scene.field, 100);
         let side = division.cell_area().sqrt();
         for radius in [5.0, 7.6, 10.0, 16.0, 31.0] {
-            let mut sum = [0.0; 3];
+            let mut ratios = Ratios::default();
             for k in 0..6 {
                 let mut path = path(&scene, &run, [1.0; 2]);
                 let centre = [0.37 * k as f64, 0.21 * k as f64].map(|x| side * x);
@@ -469,15 +443,9 @@ mod tests {
                 floor.fronts.measure(floor.cells.loaded(), loads, pressures);
                 // Both at delta - a^2/R = -1: K = sqrt(2 pi) lim p sqrt(x) = 1/sqrt(pi a).
                 let exact = 1.0 / (PI * a).sqrt();
-                for (_, k) in floor.fronts.intensities(floor.cells.loaded()) {
-                    let ratio = k / exact;
-                    sum[0] += 1.0;
-                    sum[1] += ratio;
-                    sum[2] += ratio * ratio;
-                }
+                ratios.add(&floor.fronts, floor.cells.loaded(), exact);
             }
-            let mean = sum[1] / sum[0];
-            let deviation = (sum[2] / sum[0] - mean * mean).sqrt();
+            let [mean, deviation] = ratios.moments();
             println!("{radius} cells, sphere {sphere}: K {mean:.4} +- {deviation:.3}");
             assert!((mean - 1.0).abs() < 0.02, "{radius}: {mean}");
             assert!(deviation < 0.05, "{radius}: {deviation}");

@@ -498,11 +498,7 @@ impl FlatSystem {
         if radius <= 0.0 {
             return vec![0.0; distances.len()];
         }
-        let bench = Bench::new(self, 1.0);
-        let disc = bench.disc(radius);
-        let [one, bent] = bench.solutions(&disc, radius);
-        let parts = one.iter().zip(&bent);
-        let sum: Vec<f64> = parts.map(|(one, bent)| indentation * one + bent).collect();
+        let (disc, sum) = self.solved(radius, indentation);
         let factor = self.reduced_modulus() / (PI * radius);
         let at = |distance: &f64| {
             let place = distance.abs() / radius;
@@ -515,6 +511,16 @@ impl FlatSystem {
         distances.iter().map(at).collect()
     }
 
+    /// The disc of a contact with a radius at an indentation, m, and the solution on it.
+    fn solved(&self, radius: f64, indentation: f64) -> (Disc, Vec<f64>) {
+        let bench = Bench::new(self, 1.0);
+        let disc = bench.disc(radius);
+        let [one, bent] = bench.solutions(&disc, radius);
+        let parts = one.iter().zip(&bent);
+        let sum = parts.map(|(one, bent)| indentation * one + bent).collect();
+        (disc, sum)
+    }
+
     /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart: that which the contact needs inside,
     /// and that of half-spaces outside. NaN outside of a contact with a layer.
     #[must_use]
@@ -523,11 +529,7 @@ impl FlatSystem {
         if radius <= 0.0 {
             return vec![0.0; distances.len()];
         }
-        let bench = Bench::new(self, 1.0);
-        let disc = bench.disc(radius);
-        let [one, bent] = bench.solutions(&disc, radius);
-        let parts = one.iter().zip(&bent);
-        let sum: Vec<f64> = parts.map(|(one, bent)| indentation * one + bent).collect();
+        let (disc, sum) = self.solved(radius, indentation);
         let at = |distance: &f64| {
             let place = distance.abs() / radius;
             if place <= 1.0 {

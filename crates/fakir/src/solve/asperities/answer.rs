@@ -2,7 +2,7 @@
 
 use super::climb::Found;
 use super::equations::Equations;
-use super::follow::{Ended, Here, Path, Stop};
+use super::follow::{Ended, Here, Path};
 use super::load::{Layout, Shape};
 use super::newton::{self, Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
@@ -355,11 +355,7 @@ impl Bench {
         run: &Run<'_>,
     ) -> Result<AsperityContact, SolveError> {
         let mut path = Path::new(equations, None, run)?;
-        let stop = match target {
-            Prescribed::Indentation(indentation) => Stop::Indentation(indentation),
-            Prescribed::Force(force) => Stop::Force(force),
-        };
-        let ended = path.follow(Branch::Loading, stop).err();
+        let ended = path.follow(Branch::Loading, target.into()).err();
         let Path {
             equations, here, ..
         } = path;

@@ -220,11 +220,7 @@ impl<'a> Ground<'a> {
         };
         let mut path = Path::new(&mut equations, Some(grid.1), self.run)?;
         path.extent = EXTENT * (grid.1 - self.first_touch());
-        let stop = match target {
-            Prescribed::Indentation(indentation) => Stop::Indentation(indentation),
-            Prescribed::Force(force) => Stop::Force(force),
-        };
-        let ended = path.follow(Branch::Loading, stop).err();
+        let ended = path.follow(Branch::Loading, target.into()).err();
         let here = path.here;
         let termination = match ended {
             None => Termination::Converged,

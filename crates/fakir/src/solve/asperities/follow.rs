@@ -110,6 +110,15 @@ pub(crate) enum Stop {
     Apart,
 }
 
+impl From<Prescribed> for Stop {
+    fn from(load: Prescribed) -> Self {
+        match load {
+            Prescribed::Indentation(indentation) => Self::Indentation(indentation),
+            Prescribed::Force(force) => Self::Force(force),
+        }
+    }
+}
+
 impl Stop {
     /// How far a state is beyond the load; none without a load.
     fn beyond(self, here: &Here) -> Option<f64> {

@@ -293,14 +293,6 @@ impl AdhesiveCells<'_> {
     }
 }
 
-/// End of a loading.
-#[derive(Debug, Clone, Copy)]
-enum Target {
-    Indentation(f64),
-    Force(f64),
-    Floor,
-}
-
 /// A loading, and an unloading if there is one.
 pub(super) struct Followed<'a> {
     pub(super) level: Level<'a>,
@@ -334,9 +326,7 @@ impl<'a> Level<'a> {
         let operator = self
             .half_space(cells.clone())
             .preconditioned(cells.clone(), self.run.pool);
-        let influence = self.column_compliance.iter().map(|c| c * grid.cell_area());
-        let labels = cells.indices().map(|cell| self.surface.label(cell));
-        let operator = Columns::new(operator, labels.collect(), influence.collect());
+        let operator = self.on_columns(operator, &cells);
         let modulus = self.system.reduced_modulus();
         let side = grid.cell_area().sqrt();
         let unit = (modulus * side).recip();
@@ -475,15 +465,10 @@ impl<'a> Followed<'a> {
         }
     }
 
-    fn load(&mut self, first: f64, load: Load) -> Result<Pressed, SolveError> {
-        let target = match load {
-            Load::Indentation(indentation) => Target::Indentation(indentation),
-            Load::Force(force) => Target::Force(force),
-            Load::FloorContact => Target::Floor,
-        };
+    fn load(&mut self, first: f64, target: Load) -> Result<Pressed, SolveError> {
         // The first cell attaches as soon as it is touched.
         let mut next = first + 2.0 * ENTERED * self.cells.opening;
-        if let Target::Indentation(end) = target
+        if let Load::Indentation(end) = target
             && (end <= next || self.cells.held.count() > 0)
         {
             next = end;
@@ -504,7 +489,7 @@ impl<'a> Followed<'a> {
             }
             self.record(Course::Loading);
             next += self.step;
-            if let Target::Indentation(end) = target {
+            if let Load::Indentation(end) = target {
                 next = next.min(end);
             }
         }
@@ -513,11 +498,11 @@ impl<'a> Followed<'a> {
     }
 
     /// Distance to the end of the loading; not positive if it is reached.
-    fn missing(&mut self, target: Target) -> Result<f64, SolveError> {
+    fn missing(&mut self, target: Load) -> Result<f64, SolveError> {
         Ok(match target {
-            Target::Indentation(end) => end - self.cells.held.indentation,
-            Target::Force(force) => force - self.cells.force(),
-            Target::Floor => {
+            Load::Indentation(end) => end - self.cells.held.indentation,
+            Load::Force(force) => force - self.cells.force(),
+            Load::FloorContact => {
                 self.show();
                 self.level.floor_gap(self.cells.held.indentation)?.0
             }
@@ -525,11 +510,11 @@ impl<'a> Followed<'a> {
     }
 
     /// Finds the end of a loading within the last step, from the contact before it.
-    fn search(&mut self, target: Target, mut before: Held, missing: f64) -> Result<(), SolveError> {
+    fn search(&mut self, target: Load, mut before: Held, missing: f64) -> Result<(), SolveError> {
         let tolerance = match target {
-            Target::Indentation(_) => return Ok(()),
-            Target::Force(force) => FORCE_TOLERANCE * force,
-            Target::Floor => FLOOR_TOLERANCE * self.cells.held.indentation.abs(),
+            Load::Indentation(_) => return Ok(()),
+            Load::Force(force) => FORCE_TOLERANCE * force,
+            Load::FloorContact => FLOOR_TOLERANCE * self.cells.held.indentation.abs(),
         };
         let mut after = self.cells.held.clone();
         let mut ends = [before.indentation, after.indentation];
@@ -597,16 +582,10 @@ impl<'a> Followed<'a> {
 
     /// The surface with the present pressures.
     pub(super) fn copy(&self) -> Level<'a> {
-        self.with(&self.cells.held)
-    }
-
-    fn with(&self, held: &Held) -> Level<'a> {
         let of = &self.level;
         let mut level = Level::new(of.system, of.surface.clone(), None, of.run);
-        self.cells
-            .cells
-            .scatter(&held.pressure, &mut level.pressure);
-        level.products = self.cells.products;
+        level.pressure.clone_from(&of.pressure);
+        level.products = of.products;
         level
     }
 
@@ -615,10 +594,9 @@ impl<'a> Followed<'a> {
         let Some((_, held)) = self.pull_off.take() else {
             return Ok(None);
         };
-        let level = self.with(&held);
         self.cells.restore(&held);
-        let pressed = self.pressed(Target::Force(0.0))?;
-        level.finish(&pressed)?.checked().map(Some)
+        let pressed = self.pressed(Load::Force(0.0))?;
+        self.copy().finish(&pressed)?.checked().map(Some)
     }
 
     /// Why there is no solution, if there is none.
@@ -677,11 +655,11 @@ impl<'a> Followed<'a> {
         });
     }
 
-    fn pressed(&mut self, target: Target) -> Result<Pressed, SolveError> {
+    fn pressed(&mut self, target: Load) -> Result<Pressed, SolveError> {
         self.show();
         let indentation = self.cells.held.indentation;
         let floor_cell = match target {
-            Target::Floor => Some(self.level.floor_gap(indentation)?.1),
+            Load::FloorContact => Some(self.level.floor_gap(indentation)?.1),
             _ => None,
         };
         let residual = AT_REST * self.cells.opening;
@@ -707,6 +685,7 @@ mod tests {
         Boundary, CyclePlan, Grid, HeightMap, Indenter, Lens, Material, SurfaceSystem,
         UnloadingPoint,
     };
+    use crate::solve::rules::floor_fronts::tests::{LawCheck, PUNCHES, Ratios};
     use crate::state::{Run, SurfaceCycle};
     use std::f64::consts::PI;
 
@@ -758,45 +737,18 @@ mod tests {
     #[test]
     fn tables_are_those_of_flat_punches() {
         let run = Run::default();
-        let mut sums = [vec![[0.0; 2]; 9], vec![[0.0; 2]; 13]];
-        for (k, radius) in [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4]
-            .into_iter()
-            .enumerate()
-        {
+        let mut check = LawCheck::new(&OF_CENTRES);
+        for (k, radius) in PUNCHES.into_iter().enumerate() {
             let centre = [0.37 * k as f64, 0.21 * k as f64];
             let (system, bonded) = punch(96, centre, radius);
             let cells = settled(&system, &bonded, &run);
             let effective = (cells.held.count() as f64 / PI).sqrt();
-            let distances = cells.fronts.distances();
-            for (cell, distance) in distances.into_iter().enumerate() {
-                let distance = distance + 0.72 / effective;
-                let at = (effective - distance).max(0.0);
-                let (which, value, first) = if bonded[cell] {
-                    let exact = (effective * effective - at * at).sqrt() * PI;
-                    (0, -cells.held.pressure[cell] * exact, 1.0)
-                } else {
-                    let exact = 1.0 - 2.0 / PI * (effective / at).min(1.0).asin();
-                    (1, cells.gap(cell) / exact, 0.2)
-                };
-                let at = ((distance.abs() - first) / 0.2).round();
-                if at >= 0.0
-                    && let Some([sum, count]) = sums[which].get_mut(at as usize)
-                    && (distance.abs() - first - 0.2 * at).abs() < 0.1
-                {
-                    *sum += value;
-                    *count += 1.0;
-                }
+            for (cell, distance) in cells.fronts.distances().into_iter().enumerate() {
+                let values = [cells.held.pressure[cell], cells.gap(cell)];
+                check.add(effective, distance, bonded[cell], values);
             }
         }
-        for ((first, table), sums) in OF_CENTRES.tables().iter().zip(&sums) {
-            for (k, (own, [sum, count])) in table.iter().zip(sums).enumerate() {
-                let (distance, mean) = (first + 0.2 * k as f64, sum / count);
-                assert!(
-                    *count < 100.0 || (own - mean).abs() < 0.02,
-                    "{distance:.1}: {own} {mean} {count}"
-                );
-            }
-        }
+        check.finish();
     }
 
     /// `K = 1/sqrt(pi a)` of a flat punch (Johnson, Contact Mechanics, section 3.9), on a flat surface and at the edge of a pillar.
@@ -805,7 +757,7 @@ mod tests {
         let run = Run::default();
         for radius in [5.0, 7.6, 10.0, 16.0, 31.0] {
             for is_edge in [false, true] {
-                let mut sum = [0.0; 3];
+                let mut ratios = Ratios::default();
                 for k in 0..6 {
                     let centre = [0.37 * f64::from(k), 0.21 * f64::from(k)];
                     let (system, bonded) = punch(80, centre, radius);
@@ -818,15 +770,9 @@ mod tests {
                     }
                     let _ = cells.moves(FloorMove::Recede);
                     let exact = 1.0 / (PI * a).sqrt();
-                    for (_, k) in cells.fronts.intensities(&cells.held.bonded) {
-                        let ratio = k / exact;
-                        sum[0] += 1.0;
-                        sum[1] += ratio;
-                        sum[2] += ratio * ratio;
-                    }
+                    ratios.add(&cells.fronts, &cells.held.bonded, exact);
                 }
-                let mean = sum[1] / sum[0];
-                let deviation = (sum[2] / sum[0] - mean * mean).sqrt();
+                let [mean, deviation] = ratios.moments();
                 assert!((mean - 1.0).abs() < 0.02, "{radius} {is_edge}: {mean}");
                 assert!(deviation < 0.03, "{radius} {is_edge}: {deviation}");
             }

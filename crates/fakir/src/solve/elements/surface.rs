@@ -234,9 +234,9 @@ impl SurfaceSystem {
             let pull_off = followed.pull_off.as_ref().map_or(0.0, |(force, _)| *force);
             let [work, tensile] = followed.work();
             of_cycles.push([pull_off, tensile, work]);
-            last = Some((followed, turn, pressed));
+            last = Some((followed, turn, pressed, [work, tensile]));
         }
-        let Some((mut followed, turn, pressed)) = last else {
+        let Some((mut followed, turn, pressed, [work, tensile])) = last else {
             return Err(SolveError::NoFloor);
         };
         let turn = self.with_errors(load, turn, &pressed, self.estimated(&of_turns))?;
@@ -249,7 +249,6 @@ impl SurfaceSystem {
                         loop_area,
                     },
                 );
-        let [work, tensile] = followed.work();
         let unloaded = |value: f64| plan.retract.then_some(value);
         let termination = followed.termination().unwrap_or(turn.termination);
         Ok(SurfaceCycle {

@@ -265,6 +265,18 @@ impl<'a> Level<'a> {
         HalfSpace::new(boundary, cells, compliance, &layers, self.run.pool)
     }
 
+    /// Displacement of every pillar by a unit sum of the pressures on its cells, m/Pa.
+    fn influence(&self) -> Vec<f64> {
+        let area = self.surface.grid().cell_area();
+        self.column_compliance.iter().map(|c| c * area).collect()
+    }
+
+    /// An operator on cells, with the columns under them.
+    pub(super) fn on_columns<O: Operator>(&self, operator: O, cells: &Cells) -> Columns<O> {
+        let labels = cells.indices().map(|cell| self.surface.label(cell));
+        Columns::new(operator, labels.collect(), self.influence())
+    }
+
     pub(super) fn half_space_memory(&self, cells: &Cells) -> usize {
         let pool = self.run.pool;
         let threads = pool.map_or(1, rayon::ThreadPool::current_num_threads);
@@ -302,11 +314,7 @@ impl<'a> Level<'a> {
             values,
         });
         let layers = self.system.weighted_layers();
-        let influence: Vec<f64> = self
-            .column_compliance
-            .iter()
-            .map(|c| c * grid.cell_area())
-            .collect();
+        let influence = self.influence();
         let bound = self.bound.min(self.farthest_allowed());
         let mut active = std::mem::take(&mut self.active);
         let surface = Surface {
@@ -645,14 +653,7 @@ impl<'a> Level<'a> {
         let cells = Cells::all(grid);
         self.check_memory(cells.len(), self.half_space_memory(&cells))?;
         self.check_cancelled()?;
-        let area = grid.cell_area();
-        let mut operator = Columns::new(
-            self.half_space(cells),
-            (0..self.pressure.len())
-                .map(|cell| self.surface.label(cell))
-                .collect(),
-            self.column_compliance.iter().map(|c| c * area).collect(),
-        );
+        let mut operator = self.on_columns(self.half_space(cells.clone()), &cells);
         let mut displacement = vec![0.0; self.pressure.len()];
         operator.apply(&self.pressure, &mut displacement);
         Ok(displacement)

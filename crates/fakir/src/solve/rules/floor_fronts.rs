@@ -703,6 +703,7 @@ impl FloorFronts {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     impl FloorFronts {
         /// Distance of every cell from the front according to the smoothed set, positive inside.
@@ -735,6 +736,87 @@ pub(crate) mod tests {
             [(1.0, &self.pressure), (0.2, &self.gap)]
         }
     }
+
+    /// Ratios to the laws of a straight front on flat round punches, binned by the distance from the front, for the tables.
+    pub(crate) struct LawCheck<'l> {
+        laws: &'l Laws,
+        sums: [Vec<[f64; 2]>; 2],
+    }
+
+    impl<'l> LawCheck<'l> {
+        pub(crate) fn new(laws: &'l Laws) -> Self {
+            let sums = laws.tables().map(|(_, table)| vec![[0.0; 2]; table.len()]);
+            Self { laws, sums }
+        }
+
+        /// A cell of a punch of unit extension, at this distance inside its front, with its pressure and its gap. The radius of the punch is
+        /// that of its cells. Lengths are in sides of cells.
+        pub(crate) fn add(
+            &mut self,
+            radius: f64,
+            distance: f64,
+            is_bonded: bool,
+            [pressure, gap]: [f64; 2],
+        ) {
+            // Without the effect of the curvature of the front, also on the smoothed set.
+            let distance = distance + 0.72 / radius;
+            let at = (radius - distance).max(0.0);
+            let (which, value) = if is_bonded {
+                (0, -pressure * (radius * radius - at * at).sqrt() * PI)
+            } else {
+                (1, gap / (1.0 - 2.0 / PI * (radius / at).min(1.0).asin()))
+            };
+            let (first, _) = self.laws.tables()[which];
+            let at = ((distance.abs() - first) / 0.2).round();
+            if at >= 0.0
+                && let Some([sum, count]) = self.sums[which].get_mut(at as usize)
+                && (distance.abs() - first - 0.2 * at).abs() < 0.1
+            {
+                *sum += value;
+                *count += 1.0;
+            }
+        }
+
+        pub(crate) fn finish(&self) {
+            for ((first, table), sums) in self.laws.tables().iter().zip(&self.sums) {
+                for (k, (own, [sum, count])) in table.iter().zip(sums).enumerate() {
+                    let (distance, mean) = (first + 0.2 * k as f64, sum / count);
+                    assert!(
+                        *count < 100.0 || (own - mean).abs() < 0.02,
+                        "{distance:.1}: {own} {mean} {count}"
+                    );
+                }
+            }
+        }
+    }
+
+    /// Ratios of `K` to the exact value.
+    #[derive(Default)]
+    pub(crate) struct Ratios([f64; 3]);
+
+    impl Ratios {
+        pub(crate) fn add(&mut self, fronts: &FloorFronts, bonded: &[bool], exact: f64) {
+            for (_, k) in fronts.intensities(bonded) {
+                let ratio = k / exact;
+                let moments = [1.0, ratio, ratio * ratio];
+                self.0
+                    .iter_mut()
+                    .zip(moments)
+                    .for_each(|(sum, of)| *sum += of);
+            }
+        }
+
+        /// Mean, and standard deviation.
+        pub(crate) fn moments(&self) -> [f64; 2] {
+            let [count, sum, squares] = self.0;
+            let mean = sum / count;
+            [mean, (squares / count - mean * mean).sqrt()]
+        }
+    }
+
+    /// Radii, in sides of cells, of the punches of the tables.
+    pub(crate) const PUNCHES: [f64; 10] =
+        [18.3, 20.4, 22.1, 23.5, 25.2, 26.7, 27.7, 28.8, 29.9, 31.4];
 
     /// Abramowitz & Stegun, table 26.1.
     #[test]
