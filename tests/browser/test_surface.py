@@ -1,9 +1,13 @@
 """A height map that is dropped on the page: the lens on it, first on large cells."""
 
 import base64
+import json
+import os
 import struct
+import subprocess
 
 import pytest
+from conftest import exploring
 from test_explorer import paper
 from test_table import DROP
 
@@ -47,7 +51,7 @@ def test_a_height_map_is_answered_and_refined(explore):
     page.until("document.getElementById('map-words').textContent.includes('surface.width')")
     page.page.fill("#map-width", "200 um")
     page.page.press("#map-width", "Enter")
-    page.until("document.getElementById('map-words').textContent.startsWith('192 × 192 cells (all points of the file)')")
+    page.until("document.getElementById('map-words').textContent.startsWith('192 × 192 cells (all points)')")
     # At first half the range of the heights: 5 um of the corners of the bump.
     assert force(page) == pytest.approx(hertz(0.5 * (WIDTH * 191 / 192) ** 2 / (4 * BUMP)), rel=2e-2)
     page.page.focus("#map-indentation")
@@ -79,6 +83,71 @@ def test_a_height_map_is_answered_and_refined(explore):
     page.page.click("#close-map")
     assert page.page.locator("#surface").is_hidden()
     assert page.results() != before
+
+
+BODIES = """
+[lens]
+radius = "2.2 mm"
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+
+[substrate]
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+"""
+
+BUMP_CASE = BODIES + """
+[surface]
+height_map = "maps/bump.npy"
+width = "200 um"
+"""
+
+SQUARES = BODIES + """
+[adhesion]
+work = "5 mJ/m2"
+
+[surface]
+arrangement = "square"
+pitch = "30 um"
+
+[surface.pillar]
+cross_section = "square"
+side = "12 um"
+height = "4 um"
+
+[surface.grid]
+width = "160 um"
+cells_per_diameter = 6
+"""
+
+
+@pytest.mark.server
+@pytest.mark.parametrize("name, text, cells", [("bump.npy", BUMP_CASE, "192 × 192"), ("of the case", SQUARES, "")])
+def test_a_case_with_a_surface_is_where_the_page_begins(explore, tmp_path, name, text, cells):
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "maps" / "bump.npy").write_bytes(base64.b64decode(bump(192)))
+    case = tmp_path / "case.toml"
+    case.write_text(text)
+    with exploring(str(case)) as address:
+        page = explore(address=address)
+        page.until("/^[0-9]+ × [0-9]+ cells .all points/.test(document.getElementById('map-words').textContent)")
+        assert page.text("map-name") == name and page.text("map-words").startswith(cells)
+        assert page.page.input_value("#lens-radius") == "2.2 mm"
+        # The numbers are those of the command that the page shows.
+        indentation = page.text("surface-command").split("--indentation ")[1]
+        command = [os.environ["FAKIR"], "press", str(case), "--indentation", indentation, "--json"]
+        answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+        assert force(page) == pytest.approx(answer["force_N"], rel=5e-3)
+        page.picture(f"surface-{name}")
+
+
+@pytest.mark.server
+def test_a_surface_that_cannot_be_read_is_an_error_of_the_command(tmp_path):
+    case = tmp_path / "case.toml"
+    case.write_text(BUMP_CASE)
+    ended = subprocess.run([os.environ["FAKIR"], "explore", "--no-browser", str(case)], capture_output=True, text=True, timeout=20)
+    assert ended.returncode == 2
+    assert "case.toml" in ended.stderr and "surface.height_map" in ended.stderr and "bump.npy" in ended.stderr
 
 
 @pytest.mark.parametrize(

@@ -792,6 +792,12 @@ impl CaseFile {
         self.entries.keys.get(&key)
     }
 
+    /// An error at the value of a key, with what to do instead.
+    #[must_use]
+    pub fn refusal(&self, key: Key, why: &str, instead: &str) -> CaseError {
+        self.problem(key, why).accepted(instead)
+    }
+
     /// An error at the value of a key.
     pub(crate) fn problem(&self, key: Key, problem: impl Into<String>) -> CaseError {
         match self.entry(key) {

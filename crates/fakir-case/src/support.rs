@@ -121,19 +121,42 @@ fn asked(question: Question) -> String {
     }
 }
 
-/// The reason why a case does not exist.
+/// Features of pillars and of the floor between them.
+const OF_PILLARS: [Feature; 6] = [
+    Feature::OtherArrangement,
+    Feature::SeveralDiameters,
+    Feature::ElasticPillars,
+    Feature::IgnoredFloor,
+    Feature::AdhesiveFloor,
+    Feature::FloorInteraction,
+];
+
+/// The reason why a flat surface has none of the features of pillars.
+const NO_PILLARS: Unsupported = Unsupported {
+    why: "a flat surface has no pillars and no floor between them",
+    instead: "describe the pillars in a [pattern]",
+    with: &[&OF_PILLARS],
+};
+/// The same of a repeated surface.
 const NOT_PERIODIC: Unsupported = Unsupported {
     why: "a pattern is infinite or ends, and an infinite one is computed as such: only a map, which shows a part of a surface, is repeated",
     instead: "use a [surface]",
     with: &[&[Feature::Periodic]],
 };
 
-/// Whether a surface of this solver can have all of these features. A lens has one shape.
-fn can_have(solver: Solver, features: &[Feature]) -> bool {
+/// The reason why no surface of this solver has all of these features, if there is one.
+fn impossible(solver: Solver, features: &[Feature]) -> Option<Unsupported> {
+    let any_of = |kinds: &[Feature]| features.iter().any(|feature| kinds.contains(feature));
+    if solver == Solver::Flat && any_of(&OF_PILLARS) {
+        return Some(NO_PILLARS);
+    }
+    (solver != Solver::HeightMap && any_of(&[Feature::Periodic])).then_some(NOT_PERIODIC)
+}
+
+/// Whether a lens can have all of these features: it has one shape.
+fn is_one_lens(features: &[Feature]) -> bool {
     let is_lens = |feature: &&Feature| matches!(feature, Feature::Lens(_));
-    let is_map = solver == Solver::HeightMap;
     features.iter().filter(is_lens).count() < 2
-        && (is_map || !features.contains(&Feature::Periodic))
 }
 
 /// These features and those that they imply: a tilted plate is a plate, and an adhesive floor has adhesive tops.
@@ -165,8 +188,8 @@ impl Notes {
 
     /// Questions that a solver supports for a case with these features, among all that it supports without them.
     fn cell(&mut self, solver: Solver, features: &[Feature]) -> String {
-        if !can_have(solver, features) {
-            return format!("no such case ({})", self.number(NOT_PERIODIC));
+        if let Some(why) = impossible(solver, features) {
+            return format!("no such case ({})", self.number(why));
         }
         let features = &whole(features);
         let plain = Question::ALL.into_iter();
@@ -266,31 +289,42 @@ const OF_KINDS: [&[Solver]; 4] = [
 
 /// How many of all cells of the tables are answered, in a sentence: without a feature, and with one of them.
 fn answered() -> String {
-    let [mut cells, mut missing, mut asked, mut refused] = [0; 4];
+    let [
+        mut cells,
+        mut missing,
+        mut asked,
+        mut meaningless,
+        mut refused,
+    ] = [0; 5];
     let alone = Feature::ALL.map(|feature| vec![feature]);
     for features in std::iter::once(Vec::new()).chain(alone) {
         for solvers in OF_KINDS {
             cells += 1;
-            if !can_have(solvers[0], &features) {
+            if impossible(solvers[0], &features).is_some() {
                 missing += 1;
                 continue;
             }
             let features = whole(&features);
-            let is_refused = |question: &Question| {
-                let mut solvers = solvers.iter();
-                solvers.all(|solver| question.check(*solver, &features).is_err())
-            };
-            asked += Question::ALL.len();
-            refused += Question::ALL.iter().filter(|q| is_refused(q)).count();
+            for question in Question::ALL {
+                let of_all = |holds: &dyn Fn(Solver) -> bool| solvers.iter().all(|one| holds(*one));
+                asked += 1;
+                if of_all(&|solver| !question.has_meaning(solver, &features)) {
+                    meaningless += 1;
+                } else if of_all(&|solver| question.check(solver, &features).is_err()) {
+                    refused += 1;
+                }
+            }
         }
     }
     let percent = |part: usize, of: usize| 100.0 * part as f64 / of as f64;
+    let meant = asked - meaningless;
     format!(
         "Of the {cells} cases with a kind of surface and at most one of these features, {missing} ({:.0} %) do not exist. Of the {asked} questions on the \
-         others, {} ({:.0} %) are answered by at least one method, and {refused} are refused for the reasons below.",
+         others, {meaningless} have no meaning, as that for the transition to the floor of a flat surface. Of the {meant} that have one, {} ({:.0} %) are answered by at least one \
+         method, and {refused} are refused for the reasons below.",
         percent(missing, cells),
-        asked - refused,
-        percent(asked - refused, asked),
+        meant - refused,
+        percent(meant - refused, meant),
     )
 }
 
@@ -302,7 +336,7 @@ fn is_news(solver: Solver, both: [Feature; 2]) -> bool {
     let news = |question: &Question| {
         refuses(question, &both) && both.iter().all(|feature| !refuses(question, &[*feature]))
     };
-    can_have(solver, &both) && Question::ALL.iter().any(news)
+    is_one_lens(&both) && impossible(solver, &both).is_none() && Question::ALL.iter().any(news)
 }
 
 #[cfg(test)]

@@ -8,7 +8,8 @@ use crate::height_map::{
     GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, scaled_map_in, shown,
 };
 use crate::height_table::BYTES_PER_POINT;
-use crate::key::{Key, root};
+use crate::input;
+use crate::key::{Key, Setting, root};
 use crate::parts::{
     ArrangementName, IndenterForm, MissingPoints, OutlineForm, OutlineParts, Parts, SurfaceParts,
     TopForm,
@@ -121,6 +122,26 @@ impl CaseFile {
     #[must_use]
     pub fn is_surface(&self) -> bool {
         self.place_of("surface").is_some() && !self.is_flat()
+    }
+
+    /// Name and contents of the file with the height map, of at most `largest` bytes; none if the case describes its pillars.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a file that cannot be read.
+    pub fn height_map_contents(
+        &self,
+        largest: u64,
+    ) -> Result<Option<(String, Vec<u8>)>, CaseError> {
+        let Some(Setting::Word(named)) = self.setting(Key::HeightMap) else {
+            return Ok(None);
+        };
+        let path = self.named_file(Key::HeightMap, &named);
+        let contents = input::read(&path, largest).map_err(|error| {
+            let name = path.display();
+            self.problem(Key::HeightMap, format!("cannot read {name}: {error}"))
+        })?;
+        let name = path.file_name().unwrap_or_default();
+        Ok(Some((name.to_string_lossy().into_owned(), contents)))
     }
 
     /// The case with a general surface that the file and its overrides describe.

@@ -409,6 +409,11 @@
  */
 
 /**
+ * A file that is sent with a question.
+ * @typedef {{ name: string, base64: string }} GivenFile
+ */
+
+/**
  * The contact of the lens with a height map.
  * @typedef {object} SurfaceShown
  * @property {boolean} approximate Whether the same follows on smaller cells.
@@ -497,6 +502,7 @@
  * @property {string} version
  * @property {Values} case
  * @property {Values} paper The paper's intermediate case.
+ * @property {{ map: GivenFile | null, case: Values } | null} surface A `[surface]` to begin with: its file, if it has one, and its own values.
  * @property {readonly Key[]} keys
  * @property {readonly (readonly [number, number, number])[]} colours
  * @property {number} farthest_load

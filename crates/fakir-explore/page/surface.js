@@ -8,7 +8,7 @@ import { sectionInto } from "./section.js";
 import { onScheme } from "./theme.js";
 
 /**
- * @import { Engine, SurfaceShown, Values } from "./engine.js"
+ * @import { Engine, GivenFile, Start, SurfaceShown, Values } from "./engine.js"
  * @import { Store } from "./store.js"
  * @import { Colours } from "./theme.js"
  */
@@ -31,7 +31,7 @@ const STEPS = 500;
 const FARTHEST = 2;
 
 /**
- * Connects the panel of the height map; returns a function that shows a file in it.
+ * Connects the panel of the height map, which shows the case that the page begins with if that is one; returns a function that shows a file in it.
  * @param {Store} store
  * @param {Engine} engine
  * @returns {(name: string, base64: string) => void}
@@ -39,8 +39,8 @@ const FARTHEST = 2;
 export function surfaces(store, engine) {
   const panel = byId("surface");
   const slider = byId("map-indentation", HTMLInputElement);
-  /** @type {{ name: string, base64: string } | null} */
-  let map = null;
+  /** @type {{ map: GivenFile | null, case: Values } | null} */
+  let given = null;
   /** @type {SurfaceShown | null} */
   let shown = null;
   /** @type {number | null} */
@@ -51,7 +51,7 @@ export function surfaces(store, engine) {
   /** @returns {Values} */
   const values = () => {
     /** @type {Values} */
-    const own = Object.fromEntries(Object.entries(store.state.chosen.case).filter(([key]) => TABLES.test(key)));
+    const own = { ...Object.fromEntries(Object.entries(store.state.chosen.case).filter(([key]) => TABLES.test(key))), ...given?.case };
     for (const [id, key] of Object.entries(FIELDS)) {
       const text = withUnit(byId(id, HTMLInputElement).value.trim(), "µm");
       if (text !== "") own[key] = text.replace(/[µμ]/, "u");
@@ -63,10 +63,10 @@ export function surfaces(store, engine) {
     if (shown !== null) drawSurface(shown, store.state.start.colours);
   };
   const ask = async () => {
-    if (map === null) return;
+    if (given === null) return;
     number += 1;
     const own = number;
-    const question = { case: values(), map, ...(indentation !== null && { indentation_m: indentation }) };
+    const question = { case: values(), map: given.map, ...(indentation !== null && { indentation_m: indentation }) };
     byId("map-words").textContent = "computing …";
     try {
       await engine.ask("surface", "surface", question, ({ surface }) => {
@@ -102,7 +102,7 @@ export function surfaces(store, engine) {
   });
   let bodies = JSON.stringify(values());
   store.listen(() => {
-    if (map === null) return;
+    if (given === null) return;
     const now = JSON.stringify(values());
     if (now === bodies) return;
     bodies = now;
@@ -111,21 +111,26 @@ export function surfaces(store, engine) {
   byId("close-map").addEventListener("click", () => {
     engine.cancel("surface");
     number += 1;
-    map = shown = indentation = null;
+    given = shown = indentation = null;
     panel.hidden = byId("surface-answer").hidden = true;
   });
   for (const id of ["surface-map", "surface-section"]) new ResizeObserver(draw).observe(byId(id, Element));
   onScheme(draw);
-  return (name, base64) => {
-    map = { name, base64 };
+  /** @param {NonNullable<Start["surface"]>} surface */
+  const take = (surface) => {
+    given = surface;
     shown = indentation = null;
     bodies = JSON.stringify(values());
     panel.hidden = false;
     byId("surface-answer").hidden = true;
-    byId("map-name").textContent = name;
+    byId("map-name").textContent = surface.map?.name ?? "of the case";
+    for (const id of [...Object.keys(FIELDS), "map-fill"]) byId(id, HTMLInputElement).disabled = surface.map === null;
     panel.scrollIntoView({ block: "start" });
     void ask();
   };
+  const { surface: first } = store.state.start;
+  if (first) take(first);
+  return (name, base64) => take({ map: { name, base64 }, case: {} });
 }
 
 /**
@@ -137,7 +142,7 @@ function stageWords({ approximate, cells, file_cells, wall_time_s, warnings }) {
   /** @type {(pair: readonly [number, number]) => string} */
   const words = ([columns, rows]) => `${columns} × ${rows}`;
   const time = wall_time_s < 1 ? `${significant(1e3 * wall_time_s, 2)} ms` : `${significant(wall_time_s, 3)} s`;
-  const part = cells[0] === file_cells[0] ? "all points of the file" : `means of its ${words(file_cells)} points`;
+  const part = cells[0] === file_cells[0] ? "all points" : `means of ${words(file_cells)} points`;
   const next = approximate ? "; refining …" : "";
   return [`${words(cells)} cells (${part}), solved in ${time}${next}`, ...warnings].join("; ");
 }

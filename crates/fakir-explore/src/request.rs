@@ -13,7 +13,7 @@ use fakir_case::table_text::unpack_table;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{AnyCase, AsperityCase, Case, CaseFile, Key, Kind, Setting, SurfaceKind};
 use fakir_study::history::HistoryCourse;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::f64::consts::PI;
@@ -54,7 +54,7 @@ pub(crate) struct Ticket {
 pub(crate) type Values = BTreeMap<String, Setting>;
 
 /// A file that the page sends.
-#[derive(Debug, Clone, Deserialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct GivenFile {
     pub(crate) name: String,
@@ -66,6 +66,11 @@ pub(crate) struct GivenFile {
 const LONGEST_NAME: usize = 250;
 
 impl GivenFile {
+    pub(crate) fn new(name: String, contents: &[u8]) -> Self {
+        let base64 = BASE64.encode(contents);
+        Self { name, base64 }
+    }
+
     /// Its contents, unpacked, of at most `largest` bytes. `key` names it in errors.
     pub(crate) fn contents(&self, key: &str, largest: u64) -> Result<Vec<u8>, Refusal> {
         unpack_table(Path::new(&self.name), self.bytes(key)?, largest)
@@ -265,6 +270,11 @@ pub(crate) fn is_thickness(key: Key) -> bool {
     [Key::SubstrateThickness, Key::LensThickness].contains(&key)
 }
 
+/// Whether a key is one of the lens or the substrate that has a control on the page.
+pub(crate) fn is_of_bodies(key: Key) -> bool {
+    is_on_page(key) && key.is_on_flat() && key.table() != "adhesion"
+}
+
 /// The values of a case with any surface, in SI units; of a height map those of its bodies, which are the others of the example.
 pub(crate) fn of_any_case(case: &AnyCase) -> Values {
     let given = |setting: &dyn Fn(Key) -> Option<Setting>| {
@@ -286,9 +296,7 @@ pub(crate) fn of_any_case(case: &AnyCase) -> Values {
         }
         AnyCase::HeightMap(file) => {
             let mut values = of_case(&Case::example());
-            let of_bodies = Key::ALL
-                .into_iter()
-                .filter(|key| is_on_page(*key) && key.is_on_flat() && key.table() != "adhesion");
+            let of_bodies = Key::ALL.into_iter().filter(|key| is_of_bodies(*key));
             for key in of_bodies {
                 if let Some(setting) = file.setting(key) {
                     values.insert(key.path().to_owned(), setting);

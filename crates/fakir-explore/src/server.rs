@@ -10,7 +10,7 @@ use crate::start::start;
 use crate::worker::Kind;
 use crate::{dispatch, page, request};
 use fakir::state::{CancelToken, Threads};
-use fakir_case::AnyCase;
+use fakir_case::{AnyCase, CaseError};
 use hyper::header::{self, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -81,6 +81,9 @@ pub enum ExploreError {
         /// What the page supports.
         shown: &'static str,
     },
+    /// A `[surface]` that cannot be read.
+    #[error(transparent)]
+    Case(#[from] CaseError),
     /// The system has no random numbers.
     #[error("the system has no random numbers for the address: {0}")]
     Random(String),
@@ -141,7 +144,7 @@ impl Explorer {
         let shared = Shared {
             guard: Guard::new(token.clone(), port),
             jobs: Arc::new(Jobs::new(pool, options.memory_limit)),
-            start: start(&options.case).into(),
+            start: start(&options.case, options.memory_limit)?.into(),
             log: Log {
                 quiet: options.quiet,
             },

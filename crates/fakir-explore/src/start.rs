@@ -3,14 +3,21 @@
 use crate::request::{
     FARTHEST, LATTICES, LENSES, MOST_PILLARS, is_on_page, is_thickness, of_any_case, of_case,
 };
-use fakir_case::{AnyCase, Case, Key, Kind};
+use crate::surface;
+use fakir_case::{AnyCase, Case, CaseError, Key, Kind};
 use serde_json::{Value, json};
 use std::ops::Bound;
 
 /// Initial data of the page: the case, the paper's intermediate case, the properties of all keys from the key table, and
 /// limits.
-#[must_use]
-pub fn start(case: &AnyCase) -> String {
+///
+/// # Errors
+/// [`CaseError`] for a `[surface]` that cannot be read, or that the page does not show.
+pub fn start(case: &AnyCase, memory_limit: usize) -> Result<String, CaseError> {
+    let surface = match case {
+        AnyCase::HeightMap(file) => Some(surface::First::of(file, memory_limit)?),
+        _ => None,
+    };
     let colours: Vec<[u8; 3]> = (0..=255u32)
         .map(|k| {
             let colorous::Color { r, g, b } =
@@ -18,16 +25,17 @@ pub fn start(case: &AnyCase) -> String {
             [r, g, b]
         })
         .collect();
-    json!({
+    let start = json!({
         "version": fakir_study::VERSION,
         "case": of_any_case(case),
+        "surface": surface,
         "paper": of_case(&Case::example()),
         "keys": keys(),
         "colours": colours,
         "most_pillars": MOST_PILLARS,
         "farthest_load": FARTHEST,
-    })
-    .to_string()
+    });
+    Ok(start.to_string())
 }
 
 /// Properties of each key on the page, from the key table: name and symbol, kind, words, bounds and default, and
@@ -104,7 +112,8 @@ mod tests {
     #[test]
     fn the_page_starts_with_the_case_and_its_keys() {
         let start: Value =
-            serde_json::from_str(&start(&AnyCase::Pillars(Box::new(Case::example())))).unwrap();
+            serde_json::from_str(&start(&AnyCase::Pillars(Box::new(Case::example())), 0).unwrap())
+                .unwrap();
         assert_eq!(start["case"]["lens.radius"], 2.2e-3);
         assert_eq!(start["case"]["method.name"], "spectral");
         assert_eq!(start["case"].get("pattern.pitch"), None);

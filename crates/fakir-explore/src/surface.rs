@@ -8,7 +8,7 @@ use crate::worker::{Failure, Worker};
 use fakir::problem::{Grid, HeightMap, Load, Point, SurfaceSystem};
 use fakir::state::SurfaceContact;
 use fakir_case::unit::{Dimension, format_quantity};
-use fakir_case::{CaseFile, Key, Setting};
+use fakir_case::{CaseError, CaseFile, Key, Setting};
 use fakir_figure::{SurfaceState, Text};
 use fakir_study::record::{Object, Record, SurfaceAnswer};
 use fakir_study::result::warnings;
@@ -19,6 +19,9 @@ const FIRST_CELLS: usize = 96 * 96;
 
 /// Largest number of cells that the page computes: seconds.
 const MOST_CELLS: usize = 512 * 512;
+
+/// The same with adhesion, whose fronts move cell by cell.
+const MOST_ADHESIVE_CELLS: usize = 192 * 192;
 
 /// Largest number of cells of the drawn map along each side.
 const DRAWN: usize = 192;
@@ -34,12 +37,53 @@ const FIRST_LOAD: f64 = 0.5;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Request {
     pub(crate) ticket: Ticket,
-    /// Lens and substrate, and size and height unit of the map where the file does not state them.
+    /// Lens and substrate, and size and height unit of the map where the file does not state them; or pillars on a grid.
     case: Values,
-    map: GivenFile,
+    /// The map; without it the case describes pillars.
+    #[serde(default)]
+    map: Option<GivenFile>,
     /// Indentation, m; half the range of the heights if it is not given.
     #[serde(default)]
     indentation_m: Option<f64>,
+}
+
+/// Largest file with a height map, bytes.
+const LARGEST: u64 = 8_000_000;
+
+/// A case with a height map, or with pillars on a grid, that the page shows first.
+#[derive(Debug, Serialize)]
+pub(crate) struct First {
+    map: Option<GivenFile>,
+    /// All values but those of lens and substrate that have controls.
+    case: Values,
+}
+
+impl First {
+    /// The case of a file.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a case that is invalid, or that the page does not show.
+    pub(crate) fn of(file: &CaseFile, memory_limit: usize) -> Result<Self, CaseError> {
+        let map = file.height_map_contents(LARGEST)?;
+        let case = Key::ALL
+            .into_iter()
+            .filter(|key| *key != Key::HeightMap && !request::is_of_bodies(*key))
+            .filter_map(|key| Some((key.path().to_owned(), file.setting(key)?)))
+            .collect();
+        if file.setting(Key::LensProfile).is_some() {
+            let why = "the page does not show the table of a lens beside a [surface]";
+            return Err(file.refusal(Key::LensProfile, why, "use `fakir press`, or another lens"));
+        }
+        let read = match (&map, file.setting(Key::HeightMap)) {
+            (Some((_, contents)), Some(Setting::Word(name))) => {
+                file.clone().with_table(&name, contents)
+            }
+            _ => file.clone(),
+        };
+        read.surface_case(memory_limit)?;
+        let map = map.map(|(name, contents)| GivenFile::new(name, &contents));
+        Ok(Self { map, case })
+    }
 }
 
 #[derive(Serialize)]
@@ -80,12 +124,18 @@ struct Shown {
 /// `POST /api/surface`
 pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> {
     let run = worker.run();
-    let name = &request.map.name;
+    let mut settings = request::settings(&request.case)?;
     let map = Key::HeightMap;
-    let settings = request::settings(&request.case)?;
-    let named = (map, Setting::Word(name.clone()));
-    let file = CaseFile::from_settings("the page", settings.into_iter().chain([named]))
-        .with_table(name, &request.map.bytes(map.path())?);
+    // No file is read from the disk.
+    settings.retain(|(key, _)| ![map, Key::LensProfile].contains(key));
+    let file = match &request.map {
+        None => CaseFile::from_settings("the page", settings),
+        Some(given) => {
+            settings.push((map, Setting::Word(given.name.clone())));
+            CaseFile::from_settings("the page", settings)
+                .with_table(&given.name, &given.bytes(map.path())?)
+        }
+    };
     let case = file
         .surface_case(run.memory_limit())
         .map_err(Refusal::from)?;
@@ -115,8 +165,24 @@ pub(crate) fn answer(request: &Request, worker: &Worker) -> Result<(), Failure> 
         ),
     };
     let count = surface.grid().cell_count();
+    let most = match whole.adhesion().is_none() {
+        true => MOST_CELLS,
+        false => MOST_ADHESIVE_CELLS,
+    };
     let factor = |most: usize| (1..).find(|k| count / (k * k) <= most).unwrap_or(1);
-    let mut factors = vec![factor(FIRST_CELLS), factor(MOST_CELLS)];
+    let mut factors = match &request.map {
+        Some(_) => vec![factor(FIRST_CELLS), factor(most)],
+        // Pillars are drawn on the cells that the case gives.
+        None if count <= most => vec![1],
+        None => {
+            return Err(Refusal::impossible(format!(
+                "the page computes {most} cells at most, and these are {count}"
+            ))
+            .at(Key::GridCells.path())
+            .accepted("a smaller number, or `fakir press`")
+            .into());
+        }
+    };
     factors.dedup();
     let last = factors.len() - 1;
     for (step, factor) in factors.into_iter().enumerate() {

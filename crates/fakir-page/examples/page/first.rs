@@ -7,8 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// The data, and the answers to the same requests as those of the page for its first case.
 pub(crate) fn data() -> Value {
-    let start: Value = serde_json::from_str(&start(&AnyCase::Pillars(Box::new(Case::example()))))
-        .unwrap_or_default();
+    let example = AnyCase::Pillars(Box::new(Case::example()));
+    let start = start(&example, usize::MAX).unwrap_or_default();
+    let start: Value = serde_json::from_str(&start).unwrap_or_default();
     let case = &start["case"];
     let contact = json!({ "case": case, "load": { "fraction": 1 } });
     let lines = answered("contact", &contact);

@@ -119,9 +119,18 @@ struct Rule {
     asked: &'static [Question],
     of: &'static [Solver],
     reason: Unsupported,
+    /// Whether the question would have a meaning there, so that it could be answered.
+    has_meaning: bool,
 }
 
 impl Question {
+    /// Whether the question has a meaning for a problem with these features, answered or not: a flat surface has no pillars between which a floor could be touched.
+    #[must_use]
+    pub fn has_meaning(self, solver: Solver, features: &[Feature]) -> bool {
+        let mut without = RULES.iter().filter(|rule| !rule.has_meaning);
+        !without.any(|rule| rule.applies(self, solver, features))
+    }
+
     /// Refuses a question that a solver does not support for a problem with these features.
     ///
     /// # Errors
@@ -261,7 +270,20 @@ impl Unsupported {
 
 /// A row with one of the common reasons.
 const fn line(asked: &'static [Question], of: &'static [Solver], reason: Unsupported) -> Rule {
-    Rule { asked, of, reason }
+    Rule {
+        asked,
+        of,
+        reason,
+        has_meaning: true,
+    }
+}
+
+/// A row of questions that have no meaning.
+const fn meaningless(rule: Rule) -> Rule {
+    Rule {
+        has_meaning: false,
+        ..rule
+    }
 }
 
 const fn rule(
@@ -271,8 +293,7 @@ const fn rule(
     why: &'static str,
     instead: &'static str,
 ) -> Rule {
-    let reason = Unsupported { why, instead, with };
-    Rule { asked, of, reason }
+    line(asked, of, Unsupported { why, instead, with })
 }
 
 const ANY: &[Question] = &[];
@@ -332,13 +353,13 @@ static RULES: &[Rule] = &[
         "floor contact is not computed under rounded tops for a cylinder or a plate, which is closest to the floor outside the pillars",
         "leave out the shear stress on the floor: that on the tops is used",
     ),
-    rule(
+    meaningless(rule(
         ANY,
         FLAT,
         &[FLOOR_INTERACTION],
         "a flat surface has no floor",
         "leave it out: the shear stress on the tops acts on the whole contact",
-    ),
+    )),
     rule(
         &[Question::Hold],
         &[
@@ -387,13 +408,13 @@ static RULES: &[Rule] = &[
         "only the spectral method supports adhesion",
         "use the spectral method, or leave out the works of adhesion",
     ),
-    rule(
+    meaningless(rule(
         &[Question::Transition, Question::Compare, Question::Spread],
         ON_PILLARS,
         &[WITHOUT_AXIS],
         "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
         "prescribe an indentation or a force",
-    ),
+    )),
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
         ON_PILLARS,
@@ -401,28 +422,28 @@ static RULES: &[Rule] = &[
         "under a cylinder or a plate the floor carries no load",
         "use another lens",
     ),
-    line(
+    meaningless(line(
         &[Question::Theory],
         ON_PILLARS,
         Unsupported::BUT_FOR_A_SPHERE,
-    ),
+    )),
     line(
         ANY,
         &[Solver::Punch, Solver::Homogenised],
         Unsupported::BUT_FOR_A_SPHERE,
     ),
-    line(
+    meaningless(line(
         &[Question::Theory],
         ON_PILLARS,
         Unsupported::BUT_FOR_THE_LATTICE,
-    ),
-    rule(
+    )),
+    meaningless(rule(
         &[Question::Theory],
         ON_PILLARS,
         &[LAYER],
         "the closed forms are valid only for half-spaces",
         "use the spectral method, or leave out the thicknesses",
-    ),
+    )),
     line(
         ANY,
         &[Solver::Punch, Solver::Homogenised],
@@ -464,13 +485,13 @@ static RULES: &[Rule] = &[
         "the compliance of elastic pillars is that of a top in contact as a whole: with a smaller contact on a rounded top, the end of the pillar deforms by an amount that depends on the radius of the contact",
         "use columns, which shorten under a rounded top too, or rigid pillars",
     ),
-    rule(
+    meaningless(rule(
         &[Question::Transition, Question::Spread],
         ASPERITIES,
         &[WITHOUT_AXIS],
         "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
         "prescribe an indentation or a force",
-    ),
+    )),
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
         ASPERITIES,
@@ -478,27 +499,27 @@ static RULES: &[Rule] = &[
         "a cylinder or a plate is closest to the floor outside the pillars, where its contact with the floor has no end",
         "use a lens with an axis",
     ),
-    rule(
+    meaningless(rule(
         &[Question::FloorShare],
         &[Solver::Spectral, Solver::Asperities],
         &[&[Feature::IgnoredFloor]],
         "the floor is ignored",
         "set the floor to contact",
-    ),
-    rule(
+    )),
+    meaningless(rule(
         &[Question::Theory],
         ASPERITIES,
         &[],
         "the closed forms are those of flat pillar tops, which are in contact as a whole; contacts on rounded tops grow with their force",
         "use `transition` and `press`, which contain the closed forms of Hertz for a single top",
-    ),
-    rule(
+    )),
+    meaningless(rule(
         &[Question::Compare],
         ASPERITIES,
         &[],
         "the other methods replace each top by a flat punch, so that only one method computes the critical state of rounded tops",
         "use `verify`, which compares contacts with boundary elements",
-    ),
+    )),
     // Height maps.
     rule(
         &[Question::AttractionRange],
@@ -521,7 +542,7 @@ static RULES: &[Rule] = &[
         "the edges of an adhesive contact are followed inside a grid, not across its periodic border",
         "use a free boundary",
     ),
-    rule(
+    meaningless(rule(
         ANY,
         HEIGHT_MAP,
         &[
@@ -530,7 +551,7 @@ static RULES: &[Rule] = &[
         ],
         "a tilted plate and a cylinder are not periodic",
         "use a free boundary",
-    ),
+    )),
     rule(
         ANY,
         HEIGHT_MAP,
@@ -552,20 +573,20 @@ static RULES: &[Rule] = &[
         "a contact on a height map changes in steps of cells, and has no derivatives",
         "use `sweep` with the quantity as an axis, and take differences over several cells",
     ),
-    rule(
+    meaningless(rule(
         &[Question::Theory],
         HEIGHT_MAP,
         &[],
         "the closed forms are valid for round pillars on a hexagonal lattice, not for a height map",
         "use `transition` and `approach`, which use boundary elements",
-    ),
-    rule(
+    )),
+    meaningless(rule(
         &[Question::Compare],
         HEIGHT_MAP,
         &[],
         "only one method, boundary elements, supports a height map",
         "use `verify`, which solves pillars on two meshes, or `press` and `transition`, which estimate their error",
-    ),
+    )),
     rule(
         &[Question::Spread],
         HEIGHT_MAP,
@@ -573,33 +594,32 @@ static RULES: &[Rule] = &[
         "hundreds of samples are solved, and a height map takes seconds for each",
         "use `sweep` with the quantity as an axis, and take differences over several cells",
     ),
-    rule(
-        &[Question::Explore],
-        HEIGHT_MAP,
-        &[],
-        "the sliders of the page require results in milliseconds, and a height map takes seconds",
-        "open its file on the page, which shows one contact at a time, or use `press` or `approach`, which save figures",
-    ),
     // Flat surfaces.
-    rule(
+    meaningless(rule(
         ANY,
         FLAT,
         &[WITHOUT_AXIS],
         "the contact of an infinite cylinder or plate with a flat surface has no finite force or no finite indentation",
         "use a sphere, a paraboloid, a profile or a punch",
-    ),
-    rule(
+    )),
+    meaningless(rule(
         &[
             Question::Transition,
             Question::FloorShare,
             Question::VerifyFloor,
-            Question::Design,
             Question::Spread,
         ],
         FLAT,
         &[],
         "a flat surface has no floor between pillars and no pillars",
         "prescribe an indentation or a force, or describe the pillars",
+    )),
+    rule(
+        &[Question::Design],
+        FLAT,
+        &[],
+        "a flat surface has nothing to design but the lens, for which closed forms can be solved",
+        "use `sweep` with the quantity as an axis",
     ),
     rule(
         &[Question::Fields],
@@ -608,13 +628,13 @@ static RULES: &[Rule] = &[
         "the contact is axisymmetric: there are no maps",
         "leave them out: the table of the pressure over the radius is saved with the figures",
     ),
-    rule(
+    meaningless(rule(
         &[Question::Theory, Question::Compare],
         FLAT,
         &[],
         "a contact with a flat surface is computed from closed forms already",
         "use `press`",
-    ),
+    )),
     rule(
         &[Question::Verify, Question::VerifyFloor],
         &[Solver::Flat, Solver::Asperities],
