@@ -97,8 +97,9 @@ class Explorer:
         self.page = page
         self.requests = requests
 
-    def until(self, condition, seconds=30):
-        """Waits until a condition in JavaScript is true; the page itself does not allow evaluated scripts."""
+    def until(self, condition, seconds=600):
+        """Waits until a condition in JavaScript is true; the page itself does not allow evaluated scripts. The end is for pages that hang only:
+        how fast a page is is measured by benchmarks, as tests run beside compilers."""
         end = time.monotonic() + seconds
         while not self.page.evaluate(f"() => {condition}"):
             assert time.monotonic() < end, f"not within {seconds} s: {condition}; {self.account()}"

@@ -127,6 +127,7 @@ def test_filled_holes_are_on_the_map_and_in_the_section(explore):
 
 def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     plain = explore(adhesive(0.03, 0.05))
+    began = time.monotonic()
     page = explore(LONG, rests=False)
     until_solving(page)
     # Before the jump the results are shown, as without the floor.
@@ -140,7 +141,8 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     # The computation and the curve continue.
     stage = page.text("cycle-stage")
     assert re.match(r"loading, ζ = .* µm, fronts on the floor, round \d+, about \d+ %, [\d.]+ s$", stage), stage
-    page.until("document.getElementById('cycle-stage').textContent.startsWith('unloading, ')", 60)
+    page.until("document.getElementById('cycle-stage').textContent.startsWith('unloading, ')")
+    loading = time.monotonic() - began
     outline = "document.querySelector('#loading path.unloading').getAttribute('d')"
     before = page.page.evaluate(f"() => {outline}")
     page.until(f"{outline} !== {before!r}")
@@ -149,7 +151,8 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     start = time.monotonic()
     page.page.click("#call-off")
     page.rest()
-    assert time.monotonic() - start < 1
+    # At once, and whatever else the machine does: a small part of what has been computed.
+    assert time.monotonic() - start < 0.1 * loading
     assert page.text("cycle-stage") == page.text("status") == "cancelled"
     assert page.text("load-words") == "critical state, the rest cancelled"
     assert page.page.locator("#loading path.unloading").count() == 1
@@ -157,7 +160,7 @@ def test_a_long_cycle_grows_reports_progress_and_is_cancelled_at_once(explore):
     start = time.monotonic()
     page.enter("adhesion.work", "1 mJ/m2")
     assert page.text("load-words") == "after the jump onto the floor"
-    assert time.monotonic() - start < 10
+    assert time.monotonic() - start < 0.5 * loading
     assert not page.page.is_visible("#request-again") and page.text("cells-note") == ""
 
 

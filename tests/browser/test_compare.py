@@ -16,7 +16,7 @@ def rows(page):
 
 def pin(page):
     page.page.click("#compare-button")
-    page.until("!document.getElementById('compare').hidden", 120)
+    page.until("!document.getElementById('compare').hidden")
 
 
 def test_a_case_stays_beside_the_next_one(explore):
@@ -51,7 +51,7 @@ def test_a_link_opens_both_cases(explore):
     page.until("location.hash.includes('compare=') && location.hash.includes('surface_fraction=0.02')")
     page.until("document.querySelector('#comparison.older') === null")
     again = explore("#" + page.page.url.split("#")[1])
-    again.until("!document.getElementById('compare').hidden", 120)
+    again.until("!document.getElementById('compare').hidden")
     again.rest()
     again.until("document.querySelector('#comparison.older') === null")
     assert rows(again) == rows(page)
@@ -67,7 +67,7 @@ def test_cycles_are_compared(explore):
     page = explore("#" + "&".join(paper(0.005)))
     pin(page)
     page.enter("adhesion.work", "0.05")
-    page.until("!document.getElementById('cycle-numbers').hidden", 60)
+    page.until("!document.getElementById('cycle-numbers').hidden")
     page.until("document.querySelector('#comparison.older') === null")
     pinned, live, change = rows(page)["pull-off force"]
     assert pinned == "–" and change == ""

@@ -295,7 +295,7 @@ def test_without_adhesion_the_page_is_as_before(explore):
         assert page.text("load-words") == "critical state"
         assert page.text("load-numbers") == plain.text("load-numbers")
         assert page.page.evaluate(PICTURE) == plain.page.evaluate(PICTURE)
-        page.until("document.querySelector('#loading path.beyond-path') !== null", 60)
+        page.until("document.querySelector('#loading path.beyond-path') !== null")
         for name in ("#cycle-numbers", "#pull", "#pull-key", "#to-pull-off", "#adhesion-work_receding"):
             assert not page.page.is_visible(name), name
         assert page.page.locator("#loading path.unloading").count() == 0

@@ -230,8 +230,8 @@ def test_the_load_ranges_from_first_touch_past_the_critical_state(explore):
 
 def test_curves_and_path_fill_in(explore):
     page = explore("#" + "&".join(paper(0.01)))
-    page.until("document.querySelectorAll('#curve-force .exact-point').length > 20", 60)
-    page.until("document.querySelector('#phase path.beyond-path') !== null", 60)
+    page.until("document.querySelectorAll('#curve-force .exact-point').length > 20")
+    page.until("document.querySelector('#phase path.beyond-path') !== null")
     assert page.page.locator("#curve-indentation path.homogenised-curve").count() == 1
 
 
@@ -330,12 +330,12 @@ def test_legends_contain_what_is_drawn(explore):
     curves = ["exact", "homogenised", "large", "small"]
     names = [f"#curves-legend .{name}-curve" for name in curves] + ["#phase-legend .transition", "#phase-legend .path"]
     page = explore("#" + "&".join(paper(0.01)))
-    page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
+    page.until("document.querySelector('#curve-force path.exact-curve') !== null")
     assert [page.page.is_visible(name) for name in names] == [True] * 6
     page.page.select_option("#pattern-lattice", "oblique")
-    page.until("document.querySelector('#curves-legend .small-curve').hidden", 60)
-    page.until("document.querySelector('#phase-legend .transition').hidden", 60)
-    page.until("document.querySelector('#curve-force path.exact-curve') !== null", 60)
+    page.until("document.querySelector('#curves-legend .small-curve').hidden")
+    page.until("document.querySelector('#phase-legend .transition').hidden")
+    page.until("document.querySelector('#curve-force path.exact-curve') !== null")
     assert [page.page.is_visible(name) for name in names] == [True, False, False, False, False, True]
     assert page.page.locator("#phase .region").count() == 0
 
@@ -371,7 +371,7 @@ def test_forced_colours_leave_marks_and_states_visible(explore):
     def of(selector, pseudo, name):
         return page.page.evaluate(colour, [selector, pseudo, name])
 
-    page.until("document.querySelector('#phase .lettering text') !== null", 60)
+    page.until("document.querySelector('#phase .lettering text') !== null")
     behind = of("body", "", "backgroundColor")
     lines = [f"#curves-legend .{name}-curve" for name in ("exact", "homogenised", "large")]
     assert len({of(line, "::before", "borderTopColor") for line in lines}) == 3
@@ -616,7 +616,7 @@ def test_the_first_picture_waits_for_nothing_below_it(explore):
     assert first["late"] == [0, 0, 0], first
     # An empty map is a picture of some hundred bytes.
     assert first["map"] > 5000, first
-    page.until("['phase', 'loading', 'curve-force'].every((id) => document.querySelectorAll(`#${id} path`).length > 0)", 60)
+    page.until("['phase', 'loading', 'curve-force'].every((id) => document.querySelectorAll(`#${id} path`).length > 0)")
 
 
 @pytest.mark.server

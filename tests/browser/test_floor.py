@@ -127,14 +127,14 @@ def test_other_methods_report_that_they_do_not_support_floor_contact(explore):
 
 def test_the_loading_is_drawn_through_the_transition(explore):
     page = explore(mixed(0.01, 1.8))
-    page.until("document.querySelector('#loading path.floor-force') !== null", 60)
+    page.until("document.querySelector('#loading path.floor-force') !== null")
     assert page.page.locator("#loading circle.critical-point").count() == 1
     # The force, and that on the floor.
     assert page.page.locator("#loading circle.load-point").count() == 2
     assert page.page.locator("#loading path.floor-path").count() == 1
     page.page.uncheck("#floor-contact")
     page.rest()
-    page.until("document.querySelector('#loading path.fiction-path') !== null", 60)
+    page.until("document.querySelector('#loading path.fiction-path') !== null")
     assert page.page.locator("#loading path.floor-force").count() == 0
     assert page.page.locator("#loading circle.load-point").count() == 1
 
@@ -161,7 +161,7 @@ def test_the_pillar_tops_alone_are_shown_until_the_floor_is_solved(explore):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_mixed_contact_fits_every_screen(explore, width, height, scheme):
     page = explore(mixed(0.03, 1.8), width, height, color_scheme=scheme)
-    page.until("document.querySelector('#loading path.floor-force') !== null", 60)
+    page.until("document.querySelector('#loading path.floor-force') !== null")
     assert page.page.evaluate("() => document.documentElement.scrollWidth - innerWidth") <= 0
     # No number of the floor is cut off.
     cut = page.page.evaluate(

@@ -113,7 +113,7 @@ def test_a_link_and_the_files_carry_the_load_over_time(explore):
 def test_what_is_not_computed_over_time_is_refused_in_words(explore, parts, words):
     parts = [*paper(0.01), *RELAXING, *parts, "hold=force 0.00005 0 60"]
     page = explore("#" + "&".join(parts))
-    page.until(f"document.getElementById('hold-words').textContent.includes({words!r})", 60)
+    page.until(f"document.getElementById('hold-words').textContent.includes({words!r})")
     assert page.page.locator("#time-box").is_hidden()
     field = page.page.locator("#hold-load")
     field.fill("a lot")

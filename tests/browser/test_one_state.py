@@ -96,13 +96,13 @@ def opacity(explorer, selector):
 def grey(explorer, selectors):
     """Waits until all of this is grey."""
     for selector in selectors:
-        explorer.until(f"({OPACITY})(['{selector}']) < 0.6", 5)
+        explorer.until(f"({OPACITY})(['{selector}']) < 0.6")
 
 
 def plain(explorer, selectors):
     """Waits until all of this is as usual."""
     for selector in selectors:
-        explorer.until(f"({OPACITY})(['{selector}']) === 1", 5)
+        explorer.until(f"({OPACITY})(['{selector}']) === 1")
 
 
 def move(explorer, name, value):
@@ -123,8 +123,8 @@ def filled(explore):
 
     def open_page(surface_fraction=0.01, **options):
         page = explore("#" + "&".join(paper(surface_fraction)), **options)
-        page.until("document.querySelectorAll('#curve-force .exact-point').length > 20", 60)
-        page.until("document.querySelector('#phase path.beyond-path') !== null", 60)
+        page.until("document.querySelectorAll('#curve-force .exact-point').length > 20")
+        page.until("document.querySelector('#phase path.beyond-path') !== null")
         return page
 
     return open_page
@@ -187,7 +187,7 @@ def test_curves_of_the_case_before_are_grey_beside_the_new_point(filled):
     assert page.page.get_attribute("#phase .critical-point", "cy") != place
     delayed.release()
     plain(page, PHASE)
-    page.until("document.querySelectorAll('#curve-force .exact-point').length > 3", 60)
+    page.until("document.querySelectorAll('#curve-force .exact-point').length > 3")
     plain(page, CURVES)
 
 

@@ -19,7 +19,7 @@ def rounded(explore, **options):
     explorer = explore(**options)
     explorer.enter("pattern.surface_fraction", "0.01")
     explorer.enter("pattern.top_radius", "20 um")
-    explorer.until("document.body.dataset.busy === 'no'", seconds=60)
+    explorer.until("document.body.dataset.busy === 'no'")
     return explorer
 
 
@@ -33,7 +33,7 @@ def test_rounded_tops_have_a_slider_and_a_critical_state(explore):
     label = explorer.page.locator("#map").get_attribute("aria-label")
     assert "pillars in contact" in label
     # The curve of loading is drawn in the background.
-    explorer.until("document.querySelectorAll('#loading path').length > 3", seconds=60)
+    explorer.until("document.querySelectorAll('#loading path').length > 3")
     explorer.slide("load", 0.5)
     assert "50" in explorer.text("load-words")
     assert 0 < force(explorer)
@@ -42,7 +42,7 @@ def test_rounded_tops_have_a_slider_and_a_critical_state(explore):
     # A rounder top has a smaller contact at the same load, so that the lens reaches the floor under less force.
     explorer.slide("load", 1)
     explorer.enter("pattern.top_radius", "10 um")
-    explorer.until("document.body.dataset.busy === 'no'", seconds=60)
+    explorer.until("document.body.dataset.busy === 'no'")
     assert explorer.text("force-value") != first
     explorer.picture("rounded")
 
@@ -52,7 +52,7 @@ def test_rounded_tops_are_in_the_link_and_can_be_flat_again(explore):
     value = explorer.text("force-value")
     explorer.until("location.hash.includes('top_radius')")
     other = explore(explorer.page.url.partition("#")[1] + explorer.page.url.partition("#")[2])
-    other.until("document.body.dataset.busy === 'no'", seconds=60)
+    other.until("document.body.dataset.busy === 'no'")
     assert other.text("force-value") == value
     other.enter("pattern.top_radius", "")
     assert other.page.locator("#pattern-top_radius").input_value() == "flat"

@@ -268,7 +268,7 @@ def test_a_measured_curve_is_drawn_and_fitted(explore_at, static, server, engine
     """The curve is that of the page for 2 MPa, 1 um further; the fit begins at 2.2 MPa."""
     page = explore_at({"static": static, "server": server}[engine] + "#" + "&".join(paper(0.01)))
     drawn = "document.querySelectorAll('#loading path.path').length > 0"
-    page.until(f"{drawn} && document.getElementById('curves-status').textContent === ''", 120)
+    page.until(f"{drawn} && document.getElementById('curves-status').textContent === ''")
     page.page.click("summary")
     with page.page.expect_download() as saved:
         page.page.click("[data-shown='loading.csv']")
@@ -281,7 +281,7 @@ def test_a_measured_curve_is_drawn_and_fitted(explore_at, static, server, engine
     assert page.page.locator("#loading circle.measured").count() == len(rows)
     page.enter("substrate.young_modulus", "2.2 MPa")
     page.page.click("#fit")
-    page.until("document.getElementById('data-words').textContent.includes('fitted in')", 60)
+    page.until("document.getElementById('data-words').textContent.includes('fitted in')")
     page.rest()
     modulus, unit = page.page.input_value("#substrate-young_modulus").split()
     assert unit == "MPa" and float(modulus) == pytest.approx(2, rel=1e-3)
