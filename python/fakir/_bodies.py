@@ -289,7 +289,7 @@ class ProfileLens(_Body):
 
 @dataclass(frozen=True, init=False)
 class FlatPunch(RoundLens):
-    """A punch with a flat circular end, on a flat surface only.
+    """A punch with a flat circular end. On pillars its edge must not cross any of them; a `bem.Surface` may have any under it.
 
     Parameters
     ----------
@@ -300,7 +300,7 @@ class FlatPunch(RoundLens):
     """
 
 
-AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens
+AnyLens = Lens | ParaboloidLens | CylinderLens | PlateLens | ProfileLens | FlatPunch
 
 
 def lens_of(values: Mapping[str, Any], layer: LayerOptions | None = None) -> Any:
@@ -329,7 +329,7 @@ def substrate_of(values: Mapping[str, Any]) -> Substrate:
     return Substrate(modulus, ratio, **layer_of(values, "substrate"))
 
 
-def shape_of(lens: AnyLens | FlatPunch) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
+def shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
     """The numbers and words of a lens by their keys, except those of its material."""
     numbers: list[tuple[str, float | None]]
     match lens:

@@ -482,7 +482,7 @@ class Surface:
         substrate: Sequence[float],
         layers: Sequence[tuple[float, str, Sequence[float] | None] | None],
         periodic: bool,
-        floor: float | None,
+        floor: tuple[float, bool] | None,
         adhesion: tuple[float, float | None, bool] | None,
     ) -> Surface: ...
     @staticmethod

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import AnyLens, FlatPunch, Substrate, lens_of, shape_of, substrate_of
+from ._bodies import AnyLens, Substrate, lens_of, shape_of, substrate_of
 from ._cycle import Adhesion, Drive, cycle_rows, load_step_table, plan_with_end
 from ._format import Row, Shown, engineering
 from ._gradient import Gradient
@@ -63,7 +63,7 @@ class FlatSystem(Viscoelastic, Shown):
 
     def __init__(
         self,
-        lens: AnyLens | FlatPunch,
+        lens: AnyLens,
         substrate: Substrate,
         *,
         adhesion: Adhesion | Quantity | None = None,
@@ -121,9 +121,9 @@ class FlatSystem(Viscoelastic, Shown):
         return self._flat
 
     @property
-    def lens(self) -> AnyLens | FlatPunch:
+    def lens(self) -> AnyLens:
         """The lens or the punch."""
-        lens: AnyLens | FlatPunch = lens_of(self._flat.values())
+        lens: AnyLens = lens_of(self._flat.values())
         return lens
 
     @property

@@ -8,7 +8,7 @@ from typing import Any, overload
 import numpy as np
 
 from . import _fakir
-from ._bodies import AnyLens, FlatPunch, Lens, PillarPattern, Pillars, Substrate
+from ._bodies import AnyLens, Lens, PillarPattern, Pillars, Substrate
 from ._quantity import Quantity
 from ._flat import Flat, FlatSystem
 from ._asperities import AsperityArray
@@ -32,7 +32,7 @@ def problem(
 ) -> System: ...
 @overload
 def problem(
-    indenter: AnyLens | FlatPunch, substrate: Substrate, surface: Flat, **options: Any
+    indenter: AnyLens, substrate: Substrate, surface: Flat, **options: Any
 ) -> FlatSystem: ...
 @overload
 def problem(

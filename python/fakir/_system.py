@@ -49,7 +49,7 @@ class System(Viscoelastic, Shown):
     Parameters
     ----------
     lens, substrate, pattern
-        The bodies and the pattern. A lens is a `Lens`, which is a sphere, or another shape: `ParaboloidLens`, `CylinderLens`,
+        The bodies and the pattern. A lens is a `Lens`, which is a sphere, or another shape: `ParaboloidLens`, `FlatPunch`, `CylinderLens`,
         `PlateLens`, `ProfileLens`.
     floor_contact
         Whether the floor between the pillars carries load past the transition. If False, floor contact is ignored, as in the

@@ -114,6 +114,8 @@ class Surface(Viscoelastic):
     adhesion
         An `Adhesion`, or the work of adhesion (J/m^2), of the whole map; of a floor only with ``Adhesion(..., floor=True)``. Cells must
         be square.
+    floor_contact
+        Whether the floor carries load where the indenter reaches it.
     """
 
     indenter: AnyLens | Plate
@@ -139,7 +141,10 @@ class Surface(Viscoelastic):
         axis: tuple[Quantity, Quantity] = (0.0, 0.0),
         periodic: bool | None = None,
         adhesion: Adhesion | Quantity | None = None,
+        floor_contact: bool = True,
     ) -> None:
+        if floor is None and not floor_contact:
+            raise ValueError("which cells are floor is not known, so that they cannot be ignored: give floor, a height")
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
             if cell_size is not None or width is not None:
                 raise TypeError("the topography has its size: leave out cell_size and width")
@@ -160,7 +165,7 @@ class Surface(Viscoelastic):
                 [substrate.young_modulus, substrate.poisson_ratio],
                 [layer_numbers(substrate), layer_numbers(indenter)],
                 bool(periodic),
-                None if floor is None else finite(floor, "length", "floor"),
+                None if floor is None else (finite(floor, "length", "floor"), bool(floor_contact)),
                 adhesion_numbers(adhesion),
             )
         )

@@ -47,9 +47,42 @@ def test_a_punch_on_a_film():
         fakir.problem(punch, body, fakir.Flat()).press(indentation="1 um").force for body in (film, RUBBER)
     )
     assert on_film > 2 * on_half_space
-    pattern = fakir.HexagonalPattern("6 um", "2 um", pitch="20 um")
-    with pytest.raises(fakir.CaseError, match="flat surface only"):
-        fakir.System(punch, RUBBER, pattern)
+
+
+def test_a_punch_on_pillars_is_a_plate_on_those_that_it_covers():
+    punch = fakir.FlatPunch("25 um", "2 MPa", 0.5)
+    plate = fakir.PlateLens("2 MPa", 0.5)
+    lattice = fakir.HexagonalPattern("6 um", "2 um", pitch="20 um")
+    system = fakir.System(punch, RUBBER, lattice)
+    assert system.lens == punch
+    contact = system.press(indentation="0.5 um")
+    assert len(contact.pillars) == 7 and not contact.warnings
+    places = contact.pillars[["x_m", "y_m"]].to_numpy()
+    pillars = fakir.Pillars(places, diameter="6 um", height="2 um")
+    same = fakir.System(plate, RUBBER, pillars).press(indentation="0.5 um")
+    assert contact.force == pytest.approx(same.force, rel=1e-9)
+    with pytest.raises(fakir.CaseError, match="crosses none, as 2.3"):
+        fakir.System(fakir.FlatPunch("20 um", "2 MPa", 0.5), RUBBER, lattice)
+    assert fakir.System.from_toml(system.to_toml()).press(indentation="0.5 um").force == contact.force
+
+
+def test_a_map_under_a_punch_without_its_floor():
+    at = (np.arange(128) + 0.5) * 0.25e-6 - 16e-6
+    step = np.where(np.hypot(*np.meshgrid(at, at)) < 5e-6, 1e-6, 0.0)
+    punch = fakir.FlatPunch("12 um", "2 MPa", 0.5)
+    with pytest.raises(ValueError, match="give floor, a height"):
+        fakir.bem.Surface(step, punch, RUBBER, cell_size="0.25 um", floor_contact=False)
+    surfaces = [
+        fakir.bem.Surface(step, punch, RUBBER, cell_size="0.25 um", floor="0.5 um", floor_contact=contact)
+        for contact in (True, False)
+    ]
+    assert surfaces[0].indenter == punch
+    whole, without = (surface.press(indentation="1.5 um") for surface in surfaces)
+    # One top as a flat punch, 2 E* a d (Sneddon 1965).
+    sneddon = 2 * surfaces[0].reduced_modulus * 5e-6 * 1.5e-6
+    assert without.force == pytest.approx(sneddon, rel=without.error.force)
+    assert any("as if the floor were not there" in warning for warning in without.warnings)
+    assert whole.force > 1.2 * without.force and not whole.warnings
 
 
 def test_files_and_other_values(tmp_path):

@@ -3,7 +3,7 @@
 use crate::file::CaseFile;
 use crate::key::Key;
 use crate::parts::Parts;
-use fakir::problem::{Boundary, Feature, LensForm, PillarCompliance, Unsupported};
+use fakir::problem::{Boundary, Feature, FloorModel, LensForm, PillarCompliance, Unsupported};
 
 /// Name of a feature in the table.
 pub(crate) fn named(feature: Feature) -> &'static str {
@@ -78,8 +78,9 @@ impl CaseFile {
             }
             Feature::AdhesiveFloor => pattern.adhesion.floor.0,
             Feature::FloorInteraction => parts.interactions.act_on_floor(),
+            Feature::IgnoredFloor => pattern.floor == FloorModel::Ignored,
             // These are determined from a system, or have a different meaning on other surfaces.
-            Feature::OtherArrangement | Feature::SeveralDiameters | Feature::IgnoredFloor => false,
+            Feature::OtherArrangement | Feature::SeveralDiameters => false,
         };
         Feature::ALL.into_iter().filter(has).collect()
     }

@@ -15,8 +15,8 @@ use crate::profile::read_profile;
 use crate::table::{Field, IMPLIED, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::{
-    Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensForm, LensProfile, LensShape,
-    Method, PillarList, PillarPattern, Quantity, Question, Requirement, ShapedLens,
+    Adhesion, Arrangement, Feature, FloorModel, InvalidQuantity, LensProfile, LensShape, Method,
+    PillarList, PillarPattern, Quantity, Question, Requirement, ShapedLens,
 };
 use std::ops::Bound;
 use std::path::{Path, PathBuf};
@@ -301,13 +301,6 @@ impl CaseFile {
                 .problem(Key::TopRadius, "this is computed for flat pillar tops only")
                 .accepted("leave it out; rounded tops are supported by `press`, `transition`, `verify`, `approach`, `cycle`, `fit`, `sweep` and `design`"));
         }
-        if parts.shape.form == LensForm::Punch {
-            self.answers(
-                Question::Press,
-                parts.method.method().into(),
-                &[Feature::Lens(LensForm::Punch)],
-            )?;
-        }
         let pattern = &parts.pattern;
         let spacing = self.spacing(pattern)?;
         let mut pillar = pattern.pillar;
@@ -557,7 +550,11 @@ impl CaseFile {
     }
 
     /// Refuses an adhesive floor without adhesive tops, or without floor contact.
-    fn check_adhesive_floor(&self, adhesion: Adhesion, model: FloorModel) -> Result<(), CaseError> {
+    pub(crate) fn check_adhesive_floor(
+        &self,
+        adhesion: Adhesion,
+        model: FloorModel,
+    ) -> Result<(), CaseError> {
         let key = Key::AdhesiveFloor;
         if !adhesion.floor {
             return Ok(());

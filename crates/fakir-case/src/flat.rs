@@ -7,7 +7,7 @@ use crate::key::{Key, Setting};
 use crate::parts::Parts;
 use crate::surface::pattern_and_surface;
 use crate::table::Part;
-use fakir::problem::{FlatSystem, InvalidFlat, LensForm, LensShape, Question, ShapedLens, Solver};
+use fakir::problem::{FlatSystem, InvalidFlat, LensShape, Question, ShapedLens, Solver};
 
 /// A lens or a flat punch on a flat surface, as a case file describes them.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,15 +55,11 @@ impl CaseFile {
         let mut parts = self.flat_parts()?;
         self.answers(Question::Press, Solver::Flat, &self.features(&parts))?;
         let material = parts.lens.material;
-        let system = if parts.shape.form == LensForm::Punch {
-            FlatSystem::punch(parts.lens.radius, material, parts.substrate)
-        } else {
-            let (shape, file) = self.lens_shape(&parts)?;
-            if let (LensShape::Profile(_), Some(file)) = (&shape, file) {
-                parts.shape.profile = file.to_string_lossy().into_owned();
-            }
-            FlatSystem::new(ShapedLens::new(shape, material), parts.substrate)
-        };
+        let (shape, file) = self.lens_shape(&parts)?;
+        if let (LensShape::Profile(_), Some(file)) = (&shape, file) {
+            parts.shape.profile = file.to_string_lossy().into_owned();
+        }
+        let system = FlatSystem::new(ShapedLens::new(shape, material), parts.substrate);
         let system = system.map_err(|error| match error {
             InvalidFlat::Quantity(invalid) => self.impossible(&invalid),
             other => self.problem(Key::LensShape, other.to_string()),

@@ -341,8 +341,8 @@ impl ShapeParts {
                 tilt: self.tilt,
                 direction: self.tilt_direction,
             },
-            // No lens on pillars is a punch: it is refused before.
-            LensForm::Profile | LensForm::Punch => return None,
+            LensForm::Punch => LensShape::Punch { radius },
+            LensForm::Profile => return None,
         })
     }
 }

@@ -18,7 +18,7 @@ use crate::table::Part;
 use crate::unit::{Dimension, format_quantity, parse_quantity};
 use fakir::problem::pattern::{CrossSection, InvalidPattern, Pattern, PillarShape, Top};
 use fakir::problem::{
-    Adhesion, Arrangement, Boundary, Floor, Grid, HeightMap, Indenter, LatticeForm,
+    Adhesion, Arrangement, Boundary, Floor, FloorModel, Grid, HeightMap, Indenter, LatticeForm,
     PillarCompliance, Point, Question, RandomPlaces, ShapedLens, Solver, SurfaceSystem,
 };
 use std::path::{Path, PathBuf};
@@ -182,6 +182,7 @@ impl CaseFile {
         let mut system = SurfaceSystem::new(indenter, parts.substrate, surface, boundary)
             .map_err(|invalid| self.impossible(&invalid))?;
         self.check_bases(&parts)?;
+        self.check_adhesive_floor(self.adhesion(&parts), parts.pattern.floor)?;
         system = system
             .with_layers(parts.substrate_layer.layer(), parts.lens_layer.layer())
             .and_then(|system| system.with_interactions(parts.interactions))
@@ -199,7 +200,9 @@ impl CaseFile {
                 .map_err(|invalid| self.impossible(&invalid))?;
         }
         if let Some(floor) = floor {
-            system = system.with_floor(floor);
+            system = system
+                .with_floor(floor)
+                .with_floor_model(parts.pattern.floor);
         } else if let Some(key) = self.given_on_floor(&parts) {
             return Err(self
                 .problem(
@@ -256,17 +259,21 @@ impl CaseFile {
             Part::InteractionsOnFloor,
             Part::Adhesion,
             Part::AdhesionOnFloor,
+            Part::FloorLoad,
         ])?;
         self.answers(Question::Press, Solver::HeightMap, &self.features(&parts))?;
         Ok((kind, parts))
     }
 
-    /// The first given key of an interaction on the floor, or of its adhesion.
+    /// The first given key of an interaction on the floor, of its adhesion, or that ignores it.
     fn given_on_floor(&self, parts: &Parts) -> Option<Key> {
         let mut given = self.entries.keys.keys().copied();
         let is_adhesive = parts.pattern.adhesion.floor.0;
+        let is_ignored = parts.pattern.floor == FloorModel::Ignored;
         given.find(|key| {
-            key.part() == Part::InteractionsOnFloor || *key == Key::AdhesiveFloor && is_adhesive
+            key.part() == Part::InteractionsOnFloor
+                || *key == Key::AdhesiveFloor && is_adhesive
+                || *key == Key::FloorContact && is_ignored
         })
     }
 
@@ -311,22 +318,10 @@ impl CaseFile {
         {
             return Err(pattern_and_surface(surface, pattern));
         }
-        let tables = [
-            (
-                "floor",
-                "the floor of a [surface] is always in contact where it is touched",
-                "leave [floor] out: surface.floor defines the floor",
-            ),
-            (
-                "method",
-                "a [surface] has no choice of methods",
-                "leave [method] out: surfaces are solved with boundary elements, on [surface.grid]",
-            ),
-        ];
-        for (table, problem, accepted) in tables {
-            if let Some(place) = self.place_of(table) {
-                return Err(CaseError::at(place, problem).key(table).accepted(accepted));
-            }
+        if let Some(place) = self.place_of("method") {
+            return Err(CaseError::at(place, "a [surface] has no choice of methods")
+                .key("method")
+                .accepted("leave [method] out: surfaces are solved with boundary elements, on [surface.grid]"));
         }
         let mut given = self.entries.keys.keys().copied();
         match given.find(|key| key.part() == Part::PillarPattern) {

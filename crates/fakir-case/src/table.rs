@@ -48,6 +48,8 @@ pub(crate) enum Part {
     Interactions,
     /// Those on the floor, of every surface but a flat one.
     InteractionsOnFloor,
+    /// Whether the floor carries load, of every surface but a flat one.
+    FloorLoad,
     /// A pattern of round pillars, and its method.
     PillarPattern,
     /// A surface without pillars.
@@ -68,6 +70,7 @@ impl Part {
         Self::Adhesion,
         Self::AdhesionOnFloor,
         Self::PillarPattern,
+        Self::FloorLoad,
         Self::Interactions,
         Self::InteractionsOnFloor,
     ];
@@ -256,8 +259,10 @@ keys! {
         PillarCompliance = "pattern.pillar.compliance" is
             word("column: pillars shorten under load; elastic: elastic bodies; none: rigid", |p| &mut p.pattern.pillar.compliance)
                 .optional();
+    }
+    FloorLoad {
         FloorContact = "floor.contact" is
-            word("false: floor contact is ignored, as in the paper; computed only by the method spectral", |p| &mut p.pattern.floor)
+            word("false: floor contact is ignored, as in the paper; on pillars, computed only by the method spectral", |p| &mut p.pattern.floor)
                 .label("floor contact").optional();
     }
     Adhesion {

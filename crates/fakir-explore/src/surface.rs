@@ -237,7 +237,9 @@ fn coarser(system: &SurfaceSystem, factor: usize) -> Result<SurfaceSystem, Refus
         .and_then(|coarse| coarse.with_adhesion(system.adhesion()))
         .map_err(|error| wrong(error.to_string()))?;
     Ok(match system.floor() {
-        Some(floor) => coarse.with_floor(floor),
+        Some(floor) => coarse
+            .with_floor(floor)
+            .with_floor_model(system.floor_model()),
         None => coarse,
     })
 }

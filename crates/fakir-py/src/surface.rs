@@ -9,7 +9,7 @@ use crate::load::{load, load_or_critical, path, plan};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::watched::{Options, watched};
 use fakir::problem::{
-    Adhesion, Base, Boundary, Floor, Grid, HeightMap, Indenter, Layer, Material, Point,
+    Adhesion, Base, Boundary, Floor, FloorModel, Grid, HeightMap, Indenter, Layer, Material, Point,
     SurfaceSystem,
 };
 use fakir::state::Run;
@@ -38,7 +38,7 @@ pub(crate) struct Surface {
 #[pymethods]
 impl Surface {
     /// `heights` (m) has a row for every y; `lens` contains the numbers and words of the keys of both bodies, `plate` modulus and Poisson's
-    /// ratio, or neither for a rigid plate. `origin` (m) is the lower left corner of the map relative to the lens axis.
+    /// ratio, or neither for a rigid plate. `floor` is its height (m) and whether it carries load. `origin` (m) is the lower left corner of the map relative to the lens axis.
     #[new]
     fn new(
         heights: PyReadonlyArray2<'_, f64>,
@@ -49,7 +49,7 @@ impl Surface {
         substrate: [f64; 2],
         layers: [Option<LayerNumbers>; 2],
         periodic: bool,
-        floor: Option<f64>,
+        floor: Option<(f64, bool)>,
         adhesion: Option<(f64, Option<f64>, bool)>,
     ) -> PyResult<Self> {
         let (rows, columns) = (heights.shape()[0], heights.shape()[1]);
@@ -91,7 +91,12 @@ impl Surface {
         }
         Ok(Self {
             system: match floor {
-                Some(height) => system.with_floor(Floor::AtOrBelow(height)),
+                Some((height, carries_load)) => system
+                    .with_floor(Floor::AtOrBelow(height))
+                    .with_floor_model(match carries_load {
+                        true => FloorModel::Contact,
+                        false => FloorModel::Ignored,
+                    }),
                 None => system,
             },
             file: None,

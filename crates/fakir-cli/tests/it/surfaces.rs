@@ -193,6 +193,45 @@ fn saved_fields_are_a_case_again() {
     assert!(number(&run("transition", &["--json"]), "/critical_force_N") > 0.0);
 }
 
+/// A punch of 4 um on round pillars at a pitch of 20 um covers one: F = 2 E* a d (Sneddon 1965). Past the transition an ignored floor is stated.
+#[test]
+fn a_punch_covers_one_pillar_of_a_pattern_whose_floor_is_ignored() {
+    let folder = tempfile::tempdir().unwrap();
+    let case = folder.path().join("case.toml");
+    let text = std::fs::read_to_string(example("square-pillars.toml")).unwrap();
+    let square = "cross_section = \"square\"      # or \"circle\", \"polygon\", \"ellipse\"\nside = \"6 um\"";
+    assert!(text.contains(square));
+    let round = text.replace(square, "cross_section = \"circle\"\ndiameter = \"6 um\"");
+    std::fs::write(&case, round).unwrap();
+    let settings = [
+        "--json",
+        "--indentation",
+        "0.6um",
+        "--set",
+        "lens.shape=punch",
+        "--set",
+        "lens.radius=4um",
+        "--set",
+        "surface.pillar.compliance=none",
+        "--set",
+        "surface.grid.width=40um",
+        "--set",
+        "floor.contact=false",
+    ];
+    let contact = json(&fakir("press", &case, &settings));
+    // E* = 4/3 MPa of two bodies of 2 MPa.
+    let sneddon = 2.0 * (4.0 / 3.0 * 1e6) * 3e-6 * 0.6e-6;
+    let away = (number(&contact, "/force_N") / sneddon - 1.0).abs();
+    let error = number(&contact, "/relative_error_estimate/force");
+    assert!(away < error && error < 0.05, "{away:e} {error:e}");
+    assert_eq!(number(&contact, "/floor/force_N"), 0.0);
+    let warnings = contact["warnings"].to_string();
+    assert!(
+        warnings.contains("as if the floor were not there"),
+        "{warnings}"
+    );
+}
+
 /// A plate has no axis: no reported quantity refers to one.
 #[test]
 fn plates_have_no_lens_axis() {

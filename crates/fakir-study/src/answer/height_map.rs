@@ -9,7 +9,7 @@ use crate::figures::{question_in_figure, saved};
 use crate::numbers::{DIGITS, LENGTH_DIGITS, digits, seconds, significant, with_unit};
 use crate::output::File;
 use crate::provenance::Provenance;
-use crate::record::{Record, SurfaceAnswer, indenter_name};
+use crate::record::{GradientObject, Record, SurfaceAnswer, indenter_name};
 use crate::report::state::{QuantityList, adhesion_words};
 use crate::report::surface::description;
 use fakir::problem::{CyclePlan, Indenter, Interactions, Load, Solver, SurfaceSystem};
@@ -112,6 +112,16 @@ impl Kind for SurfaceCase {
         running: &Running<'_>,
     ) -> Result<Box<dyn Found<Self>>, AnswerError> {
         Ok(Box::new(self.system.cycle(plan, &running.run)?))
+    }
+
+    fn with_gradient(
+        &self,
+        load: Load,
+        run: &Run<'_>,
+    ) -> Result<(Reached<SurfaceContact>, GradientObject), AnswerError> {
+        let found = self.system.gradient(load, run)?;
+        let gradient = GradientObject::from(&found);
+        Ok((Reached::Contact(found.contact), gradient))
     }
 
     fn record(&self, found: &Reached<SurfaceContact>) -> Record {

@@ -126,6 +126,7 @@ fn lens_part(system: &System) -> String {
             degrees(*tilt),
             degrees(*direction)
         ),
+        LensShape::Punch { radius } => format!(", under a punch of radius {}", length(*radius)),
         LensShape::Profile(profile) => format!(
             ", under a lens of {} rows up to {}",
             profile.radii().len(),

@@ -1,6 +1,7 @@
 //! Positions of pillars and differences between pillars.
 
 use super::lattice::{HALF_SQRT_3, HexagonalLattice};
+use super::lens::covered_by_punch;
 use super::point::{Point, turned};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::scatter::{Disorder, Law};
@@ -192,6 +193,25 @@ impl Arrangement {
             Self::Lattice(lattice) => lattice.columns.is_some(),
             Self::Listed(_) => true,
         }
+    }
+
+    /// The arrangement of the pillars under a punch: all of a lattice, or those of a list that it covers.
+    ///
+    /// # Errors
+    /// Its edge crosses a pillar of the given diameter (m), or it covers none.
+    pub(super) fn under_punch(self, punch: f64, diameter: f64) -> Result<Self, InvalidQuantity> {
+        let Self::Listed(list) = &self else {
+            if let Some(lattice) = self.lattice() {
+                covered_by_punch(punch, &lattice.discs_near(punch, diameter))?;
+            }
+            return Ok(self);
+        };
+        let discs = list.pillars.iter().map(|it| (it.centre, 0.5 * it.diameter));
+        let covered = covered_by_punch(punch, &discs.collect::<Vec<_>>())?;
+        let covered = list.pillars.iter().zip(covered);
+        let covered = covered.filter(|(_, is_covered)| *is_covered);
+        let covered = covered.map(|(pillar, _)| *pillar).collect();
+        Ok(PillarList::new(covered).map_or(self, |list| Self::Listed(Arc::new(list))))
     }
 
     /// Refuses arrangements that a [`System`](super::System) does not support.
@@ -459,6 +479,21 @@ impl PlaneLattice {
 
     fn turned(&self, point: Point) -> Point {
         turned(point, self.rotation)
+    }
+
+    /// Centres and radii of the pillars up to some rows beyond a distance from the lens axis.
+    fn discs_near(&self, distance: f64, diameter: f64) -> Vec<(Point, f64)> {
+        const ROWS: f64 = 4.0;
+        let [one, other] = self.vectors().map(|[x, y]| x.hypot(y));
+        let reach = distance + (ROWS + self.offset) * one.max(other);
+        // The distance between rows i = constant is the cell area divided by the length of the other vector.
+        let [rows, columns] =
+            [other, one].map(|length| (reach * length / self.form.cell_area()).ceil() as i64);
+        let indices = (-rows..=rows).flat_map(|i| (-columns..=columns).map(move |j| (i, j)));
+        let present = indices.filter(|index| self.has(*index));
+        present
+            .map(|index| (self.place(index), 0.5 * diameter))
+            .collect()
     }
 
     /// The pillars of a finite lattice, by increasing index: the position of each (m from the lens axis) and the ratio of its height to the

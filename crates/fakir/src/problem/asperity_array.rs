@@ -3,7 +3,7 @@
 use super::adhesion::Adhesion;
 use super::interactions::Interactions;
 use super::layer::{Body, Layer, WeightedLayer};
-use super::lens::{LensShape, Material, ShapedLens};
+use super::lens::{LensShape, Material, ShapedLens, covered_by_punch};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::surface::Indenter;
@@ -120,11 +120,34 @@ pub enum InvalidAsperities {
     },
 }
 
+/// A punch is a plate on the asperities that it covers: all others are never touched.
+fn under_punch(
+    indenter: Indenter,
+    asperities: Vec<Asperity>,
+) -> Result<(Indenter, Vec<Asperity>), InvalidAsperities> {
+    let Indenter::Lens(ShapedLens {
+        shape: LensShape::Punch { radius },
+        material,
+    }) = indenter
+    else {
+        return Ok((indenter, asperities));
+    };
+    let disc = |asperity: &Asperity| (asperity.apex, asperity.rim_radius.unwrap_or(0.0));
+    let discs: Vec<(Point, f64)> = asperities.iter().map(disc).collect();
+    let covered = covered_by_punch(radius, &discs)?;
+    let covered = asperities.into_iter().zip(covered);
+    let covered = covered.filter(|(_, is_covered)| *is_covered);
+    Ok((
+        Indenter::Flat(Some(material)),
+        covered.map(|(asperity, _)| asperity).collect(),
+    ))
+}
+
 impl AsperityArray {
-    /// Checks all quantities.
+    /// Checks all quantities. A [punch](LensShape::Punch) becomes a plate on the asperities that it covers, which alone remain.
     ///
     /// # Errors
-    /// No asperities, invalid quantities, two asperities at the same position, edges that overlap, and a profile that is more strongly
+    /// No asperities, invalid quantities, a punch whose edge crosses a pillar, two asperities at the same position, edges that overlap, and a profile that is more strongly
     /// concave than the asperities are convex.
     pub fn new(
         indenter: Indenter,
@@ -132,6 +155,7 @@ impl AsperityArray {
         asperities: Vec<Asperity>,
     ) -> Result<Self, InvalidAsperities> {
         indenter.check()?;
+        let (indenter, asperities) = under_punch(indenter, asperities)?;
         Requirement::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
         Requirement::PoissonRatio
             .check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
@@ -409,7 +433,7 @@ impl AsperityArray {
         let of_lens = self.indenter.lens().map_or(0.0, |lens| match lens.shape {
             LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => radius.recip(),
             LensShape::Cylinder { radius, .. } => 0.5 / radius,
-            LensShape::Plate { .. } => 0.0,
+            LensShape::Plate { .. } | LensShape::Punch { .. } => 0.0,
             LensShape::Profile(_) => lens.jet(asperity.apex).map_or(0.0, |jet| {
                 let [xx, _, yy] = jet.hessian;
                 0.5 * (xx + yy)

@@ -254,6 +254,18 @@ impl Unsupported {
         instead: "leave out the force control and the stiffness of the machine; its pull-off force is the largest tensile force of either",
         with: &[ADHESIVE_TOPS],
     };
+    /// Derivatives on a height map with adhesion.
+    pub(crate) const GRADIENT_WITH_ADHESION: Self = Self {
+        why: "with adhesion a contact on a height map changes in steps of cells, and has no derivatives",
+        instead: "leave out the works of adhesion, or use `sweep` with the quantity as an axis and take differences over several cells",
+        with: &[ADHESIVE_TOPS],
+    };
+    /// Derivatives on a height map on layers.
+    pub(crate) const GRADIENT_OF_LAYERS: Self = Self {
+        why: "derivatives of contacts on height maps are those on half-spaces",
+        instead: "leave out the thicknesses, or use `sweep` with the quantity as an axis",
+        with: &[LAYER],
+    };
     /// Adhesion on cells that are not square.
     pub(crate) const BUT_FOR_SQUARE_CELLS: Self = Self {
         why: "the laws of the edges of an adhesive contact are those of square cells",
@@ -318,8 +330,14 @@ const OTHER_LENS: &[Feature] = &{
     }
     lenses
 };
-/// Lenses that come nearest to the floor beyond the pillars.
+/// Lenses that come nearest to the floor beyond the pillars, or everywhere at once.
 const WITHOUT_AXIS: &[Feature] = &[
+    Feature::Lens(LensForm::Cylinder),
+    Feature::Lens(LensForm::Plate),
+    Feature::Lens(LensForm::Punch),
+];
+/// Lenses without an end.
+const ENDLESS: &[Feature] = &[
     Feature::Lens(LensForm::Cylinder),
     Feature::Lens(LensForm::Plate),
 ];
@@ -332,20 +350,6 @@ const FLOOR_INTERACTION: &[Feature] = &[Feature::FloorInteraction];
 
 /// The table. The first row that applies determines the reason.
 static RULES: &[Rule] = &[
-    rule(
-        ANY,
-        &[
-            Solver::Spectral,
-            Solver::Punch,
-            Solver::Elements,
-            Solver::Homogenised,
-            Solver::Asperities,
-            Solver::HeightMap,
-        ],
-        &[&[Feature::Lens(LensForm::Punch)]],
-        "a flat punch is supported on a flat surface only",
-        "use a plate, which covers all pillars, or leave the pillars out",
-    ),
     rule(
         ANY,
         ASPERITIES,
@@ -412,14 +416,14 @@ static RULES: &[Rule] = &[
         &[Question::Transition, Question::Compare, Question::Spread],
         ON_PILLARS,
         &[WITHOUT_AXIS],
-        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
+        "a cylinder, a plate or a punch has no transition: it is not closest to the floor on its axis",
         "prescribe an indentation or a force",
     )),
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
         ON_PILLARS,
         &[WITHOUT_AXIS],
-        "under a cylinder or a plate the floor carries no load",
+        "under a cylinder, a plate or a punch the floor carries no load",
         "use another lens",
     ),
     meaningless(line(
@@ -489,19 +493,19 @@ static RULES: &[Rule] = &[
         &[Question::Transition, Question::Spread],
         ASPERITIES,
         &[WITHOUT_AXIS],
-        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars",
+        "a cylinder, a plate or a punch has no transition: it is not closest to the floor on its axis",
         "prescribe an indentation or a force",
     )),
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
         ASPERITIES,
         &[WITHOUT_AXIS],
-        "a cylinder or a plate is closest to the floor outside the pillars, where its contact with the floor has no end",
+        "a cylinder or a plate is closest to the floor outside the pillars, where its contact with the floor has no end, and a punch nowhere",
         "use a lens with an axis",
     ),
     meaningless(rule(
         &[Question::FloorShare],
-        &[Solver::Spectral, Solver::Asperities],
+        &[Solver::Spectral, Solver::Asperities, Solver::HeightMap],
         &[&[Feature::IgnoredFloor]],
         "the floor is ignored",
         "set the floor to contact",
@@ -555,23 +559,19 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         HEIGHT_MAP,
-        &[&[Feature::IgnoredFloor]],
-        "the floor contact of a height map cannot be ignored",
-        "set the floor to contact",
-    ),
-    rule(
-        ANY,
-        HEIGHT_MAP,
         &[&[Feature::ElasticPillars]],
         "elastic pillars are not supported on a height map",
         "use columns, or describe round pillars as a [pattern]",
     ),
-    rule(
+    line(
         &[Question::Gradient],
         HEIGHT_MAP,
-        &[],
-        "a contact on a height map changes in steps of cells, and has no derivatives",
-        "use `sweep` with the quantity as an axis, and take differences over several cells",
+        Unsupported::GRADIENT_WITH_ADHESION,
+    ),
+    line(
+        &[Question::Gradient],
+        HEIGHT_MAP,
+        Unsupported::GRADIENT_OF_LAYERS,
     ),
     meaningless(rule(
         &[Question::Theory],
@@ -598,7 +598,7 @@ static RULES: &[Rule] = &[
     meaningless(rule(
         ANY,
         FLAT,
-        &[WITHOUT_AXIS],
+        &[ENDLESS],
         "the contact of an infinite cylinder or plate with a flat surface has no finite force or no finite indentation",
         "use a sphere, a paraboloid, a profile or a punch",
     )),

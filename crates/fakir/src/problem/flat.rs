@@ -67,6 +67,9 @@ impl FlatSystem {
     /// Invalid numbers, and lenses that are not axisymmetric or are plates.
     pub fn new(lens: impl Into<ShapedLens>, substrate: Material) -> Result<Self, InvalidFlat> {
         let lens = lens.into();
+        if let LensShape::Punch { radius } = lens.shape {
+            return Self::punch(radius, lens.material, substrate);
+        }
         if !lens.is_axisymmetric() {
             return Err(InvalidFlat::NoDisc(lens.shape_name()));
         }
@@ -256,6 +259,7 @@ impl FlatSystem {
                 LensShape::Sphere { radius: lens } => radius * (radius / lens).atanh(),
                 LensShape::Paraboloid { radius: lens } => radius * radius / lens,
                 LensShape::Profile(profile) => profile.depth(radius),
+                LensShape::Punch { .. } => 0.0,
                 LensShape::Cylinder { .. } | LensShape::Plate { .. } => f64::NAN,
             },
         }

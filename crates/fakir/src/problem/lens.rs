@@ -73,6 +73,50 @@ fn sphere_at_square(radius: f64, squared: f64) -> f64 {
     squared / (radius + rest.sqrt())
 }
 
+/// Height of a punch at a distance from its axis.
+fn below_punch(radius: f64, distance: f64) -> f64 {
+    if distance <= radius {
+        0.0
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Which of these discs, given by their centres and radii, a punch covers.
+///
+/// # Errors
+/// It covers none, or its edge crosses one: the lens would be in contact with a part of a pillar top, which is no disc.
+pub(super) fn covered_by_punch(
+    punch: f64,
+    discs: &[(Point, f64)],
+) -> Result<Vec<bool>, InvalidQuantity> {
+    let ends = |(centre, radius): &(Point, f64)| {
+        let distance = centre[0].hypot(centre[1]);
+        [distance - radius, distance + radius]
+    };
+    let is_valid = |punch: f64| {
+        let mut covers = false;
+        !discs.iter().map(ends).any(|[near, far]| {
+            covers |= far <= punch;
+            near < punch && punch < far
+        }) && covers
+    };
+    if is_valid(punch) {
+        return Ok(discs.iter().map(|disc| ends(disc)[1] <= punch).collect());
+    }
+    let far = discs.iter().map(|disc| ends(disc)[1]);
+    let next = far
+        .filter(|far| *far > punch && is_valid(*far))
+        .reduce(f64::min);
+    Err(InvalidQuantity {
+        quantity: Quantity::LensRadius,
+        value: punch,
+        requirement: Requirement::OverWholePillars {
+            next: next.unwrap_or(f64::NAN),
+        },
+    })
+}
+
 /// The shape of the lower surface of a lens. Its lowest point, or line, contains the origin of coordinates, where the lens axis is.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -102,6 +146,11 @@ pub enum LensShape {
         /// Direction in which the plate rises, from x, rad.
         direction: f64,
     },
+    /// A flat-ended circular punch, level, which cannot rotate: 0 up to its radius, and nothing beyond.
+    Punch {
+        /// Radius, m.
+        radius: f64,
+    },
     /// Axisymmetric, from a table of heights.
     Profile(Arc<LensProfile>),
 }
@@ -119,7 +168,7 @@ listed! {
         Plate = "plate",
         /// A table of heights.
         Profile = "profile",
-        /// A flat circular punch, on flat surfaces only ([`Probe`](super::Probe)): no [`LensShape`] is one.
+        /// A flat circular punch.
         Punch = "punch",
     }
 }
@@ -190,11 +239,12 @@ impl ShapedLens {
             LensShape::Paraboloid { .. } => LensForm::Paraboloid,
             LensShape::Cylinder { .. } => LensForm::Cylinder,
             LensShape::Plate { .. } => LensForm::Plate,
+            LensShape::Punch { .. } => LensForm::Punch,
             LensShape::Profile(_) => LensForm::Profile,
         }
     }
 
-    /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"` or `"profile"`.
+    /// `"sphere"`, `"paraboloid"`, `"cylinder"`, `"plate"`, `"punch"` or `"profile"`.
     #[must_use]
     pub fn shape_name(&self) -> &'static str {
         self.form().name()
@@ -216,15 +266,21 @@ impl ShapedLens {
         self.sphere().map_or(f64::NAN, |sphere| sphere.radius)
     }
 
-    /// Radius of curvature of a sphere, a paraboloid or a cylinder, m.
+    /// Radius of curvature of a sphere, a paraboloid or a cylinder, or radius of a punch, m.
     #[must_use]
     pub fn radius(&self) -> Option<f64> {
         match self.shape {
             LensShape::Sphere { radius }
             | LensShape::Paraboloid { radius }
-            | LensShape::Cylinder { radius, .. } => Some(radius),
+            | LensShape::Cylinder { radius, .. }
+            | LensShape::Punch { radius } => Some(radius),
             LensShape::Plate { .. } | LensShape::Profile(_) => None,
         }
+    }
+
+    /// Radius of curvature at the lowest point, m; none for a flat or a tabulated lens.
+    pub(crate) fn curvature_radius(&self) -> Option<f64> {
+        self.radius().filter(|_| self.form() != LensForm::Punch)
     }
 
     /// Largest distance from the lens axis, or from the lowest line of a cylinder, at which the shape is defined: its radius, or the end of
@@ -236,13 +292,14 @@ impl ShapedLens {
             LensShape::Profile(profile) => profile.range(),
             LensShape::Sphere { radius }
             | LensShape::Paraboloid { radius }
-            | LensShape::Cylinder { radius, .. } => *radius,
+            | LensShape::Cylinder { radius, .. }
+            | LensShape::Punch { radius } => *radius,
         }
     }
 
     /// Height of the undeformed lens at a point (m from its axis) above the origin, which is its lowest point except for a tilted plate, m.
     ///
-    /// Infinite beyond the equator of a sphere or a cylinder, where there is no lower surface.
+    /// Infinite beyond the equator of a sphere or a cylinder and beyond a punch, where there is no lower surface.
     #[must_use]
     pub fn sag(&self, point: Point) -> f64 {
         let [x, y] = point;
@@ -254,6 +311,7 @@ impl ShapedLens {
                 sphere_at_square(*radius, away * away)
             }
             LensShape::Plate { tilt, direction } => tilt.tan() * along(point, *direction),
+            LensShape::Punch { radius } => below_punch(*radius, x.hypot(y)),
             LensShape::Profile(profile) => profile.height(x.hypot(y)),
         }
     }
@@ -263,7 +321,9 @@ impl ShapedLens {
         use Quantity as Q;
         use Requirement as R;
         match &self.shape {
-            LensShape::Sphere { radius } | LensShape::Paraboloid { radius } => {
+            LensShape::Sphere { radius }
+            | LensShape::Paraboloid { radius }
+            | LensShape::Punch { radius } => {
                 R::Positive.check(Q::LensRadius, *radius)?;
             }
             LensShape::Cylinder { radius, angle } => {
@@ -281,7 +341,7 @@ impl ShapedLens {
 
     /// Upper bound of the height of pillars: the height of the lens; infinite for shapes without an equator.
     pub(super) fn height(&self) -> f64 {
-        self.radius().unwrap_or(f64::INFINITY)
+        self.curvature_radius().unwrap_or(f64::INFINITY)
     }
 
     /// Whether the height depends on the distance from the axis only.
@@ -365,6 +425,7 @@ impl ShapedLens {
             }
             LensShape::Paraboloid { radius } => distance * distance / (2.0 * radius),
             LensShape::Plate { .. } => 0.0,
+            LensShape::Punch { radius } => below_punch(*radius, distance),
             LensShape::Profile(profile) => profile.height(distance),
         }
     }
@@ -379,6 +440,7 @@ impl ShapedLens {
             }
             LensShape::Paraboloid { radius } => Some((2.0 * radius * rise).sqrt()),
             LensShape::Plate { .. } => None,
+            LensShape::Punch { radius } => Some(*radius),
             LensShape::Profile(profile) => Some(profile.distance_of(rise)),
         }
     }
@@ -387,6 +449,8 @@ impl ShapedLens {
     pub(crate) fn largest_contact(&self) -> f64 {
         match &self.shape {
             LensShape::Profile(profile) => profile.range(),
+            // It covers no more than its end.
+            LensShape::Punch { .. } => f64::INFINITY,
             _ => LARGEST_CONTACT * self.widest(),
         }
     }
@@ -399,15 +463,16 @@ impl ShapedLens {
             | LensShape::Paraboloid { radius }
             | LensShape::Cylinder { radius, .. } => distance / radius,
             LensShape::Plate { tilt, .. } => tilt.tan(),
+            LensShape::Punch { .. } => 0.0,
             LensShape::Profile(profile) => profile.at(distance)[1],
         }
     }
 
-    /// Radius of curvature at the lowest point; infinite for a plate.
+    /// Radius of curvature at the lowest point; infinite for a plate and a punch.
     pub(crate) fn apex_radius(&self) -> f64 {
         match &self.shape {
             LensShape::Profile(profile) => profile.apex_radius(),
-            _ => self.radius().unwrap_or(f64::INFINITY),
+            _ => self.curvature_radius().unwrap_or(f64::INFINITY),
         }
     }
 
@@ -421,7 +486,9 @@ impl ShapedLens {
     pub(crate) fn quadratic_radius(&self) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => *radius,
-            LensShape::Paraboloid { .. } | LensShape::Plate { .. } => f64::INFINITY,
+            LensShape::Paraboloid { .. } | LensShape::Plate { .. } | LensShape::Punch { .. } => {
+                f64::INFINITY
+            }
             LensShape::Profile(_) => 0.0,
         }
     }
@@ -464,6 +531,11 @@ impl ShapedLens {
                     hessian: [0.0; 3],
                 })
             }
+            LensShape::Punch { radius } => (x.hypot(y) <= *radius).then_some(LensJet {
+                value: 0.0,
+                gradient: [0.0; 2],
+                hessian: [0.0; 3],
+            }),
             LensShape::Profile(profile) => {
                 let distance = x.hypot(y);
                 let [value, slope, bend] = profile.at(distance);
@@ -517,7 +589,7 @@ impl ShapedLens {
                 of_circle(*radius, across(point, *angle).powi(2))
             }
             LensShape::Paraboloid { radius } => -(x * x + y * y) / (2.0 * radius * radius),
-            LensShape::Plate { .. } | LensShape::Profile(_) => 0.0,
+            LensShape::Plate { .. } | LensShape::Punch { .. } | LensShape::Profile(_) => 0.0,
         }
     }
 
@@ -537,6 +609,9 @@ impl ShapedLens {
             LensShape::Plate { tilt, direction } => LensShape::Plate {
                 tilt: *tilt,
                 direction: *direction,
+            },
+            LensShape::Punch { radius } => LensShape::Punch {
+                radius: radius / unit,
             },
             LensShape::Profile(profile) => LensShape::Profile(Arc::new(profile.in_unit(unit))),
         };

@@ -3,6 +3,7 @@
 use super::arrangement::{self, Arrangement, coordinates, reduced};
 use super::column::{Column, ColumnLaw};
 use super::lattice::HexagonalLattice;
+use super::lens::{LensForm, LensShape};
 use super::point::{Point, turned};
 use super::scatter::Disorder;
 use super::system::System;
@@ -158,6 +159,8 @@ pub(crate) struct PlaneLattice {
     rotation: f64,
     /// First index along each of the vectors and index after the last one, for a finite lattice.
     ends: Option<[i64; 2]>,
+    /// Radius of a disc around the lens axis: only pillars within it are considered.
+    disc: Option<f64>,
 }
 
 /// Rotation of the vectors of a hexagonal lattice relative to those of the paper, rad; `None` for another lattice.
@@ -200,6 +203,30 @@ impl PlaneLattice {
             scatter: None,
             rotation: 0.0,
             ends: None,
+            disc: None,
+        })
+    }
+
+    /// The pillars whose tops are within a disc around the lens axis.
+    fn within_disc(self, radius: f64) -> Self {
+        let [most, other] = self.most_rows(radius);
+        let most = most.max(other);
+        let [first, end] = self.ends.unwrap_or([i64::MIN, i64::MAX]);
+        Self {
+            ends: Some([first.max(-most), end.min(most + 1)]),
+            disc: Some(radius),
+            ..self
+        }
+    }
+
+    /// The largest index along each of the vectors of a point within a radius of the lens axis.
+    fn most_rows(&self, radius: f64) -> [i64; 2] {
+        let lengths = self.vectors.map(|[x, y]| x.hypot(y));
+        let reach = radius + self.origin[0].hypot(self.origin[1]);
+        // The distance between rows i = constant is the cell area divided by the length of the other vector.
+        [1, 0].map(|other| {
+            let most = (reach * lengths[other] / self.cell_area()).ceil();
+            most.min(MOST_ROWS) as i64
         })
     }
 
@@ -233,6 +260,13 @@ impl PlaneLattice {
         if let Some([first, end]) = self.ends {
             let inside = first..end;
             if !(inside.contains(&i) && inside.contains(&j)) {
+                return None;
+            }
+        }
+        if let Some(disc) = self.disc {
+            let [x, y] = self.centre((i, j));
+            // Pillars that the disc just covers have been accepted.
+            if x.hypot(y) + self.body.radius > disc * (1.0 + ROUNDING) {
                 return None;
             }
         }
@@ -278,14 +312,7 @@ impl PlaneLattice {
 
     /// All pillars with centres within a radius of the lens axis, by increasing index.
     fn within(&self, radius: f64) -> Vec<IndexedPillar> {
-        let lengths = self.vectors.map(|[x, y]| x.hypot(y));
-        let reach = radius + self.origin[0].hypot(self.origin[1]);
-        // The distance between rows i = constant is the cell area divided by the length of the other vector.
-        let most = |other: usize| {
-            let most = (reach * lengths[other] / self.cell_area()).ceil();
-            most.min(MOST_ROWS) as i64
-        };
-        let (rows, columns) = (most(1), most(0));
+        let [rows, columns] = self.most_rows(radius);
         let side = |most: i64| match self.ends {
             Some([first, end]) => first.max(-most)..end.min(most + 1),
             None => -most..most + 1,
@@ -406,13 +433,19 @@ impl PillarField {
         let on_plane = |lattice: &arrangement::PlaneLattice| {
             let lattice = PlaneLattice::of(lattice, length, height, law)
                 .expect("a lattice with a checked angle");
+            let lattice = match system.lens().shape {
+                LensShape::Punch { radius } => lattice.within_disc(radius / length),
+                _ => lattice,
+            };
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
             (field.turned(-rotation), rotation)
         };
         let field = match system.arrangement() {
-            // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis.
-            Arrangement::Hexagonal(lattice) if system.lens().bends_unevenly() => {
+            // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis. A punch covers a part.
+            Arrangement::Hexagonal(lattice)
+                if system.lens().bends_unevenly() || system.lens().form() == LensForm::Punch =>
+            {
                 return on_plane(&(*lattice).into());
             }
             Arrangement::Hexagonal(lattice) => Self::Hexagonal {
@@ -566,7 +599,6 @@ impl PillarField {
 
     /// A distance from the lens axis that includes all pillars; `None` for an infinite lattice.
     pub(crate) fn extent(&self) -> Option<f64> {
-        const ROUNDING: f64 = 1e-9;
         let farthest = match self {
             Self::Hexagonal { .. } => None,
             Self::Lattice(lattice) => lattice.farthest(),

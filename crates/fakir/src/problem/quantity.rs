@@ -255,6 +255,11 @@ pub enum Requirement {
     Between(f64, f64),
     /// Finite, under a lens of this shape, which would touch an infinite number of pillars of an infinite lattice.
     FiniteUnder(&'static str),
+    /// For a punch: such that it covers at least one pillar and its edge crosses none.
+    OverWholePillars {
+        /// The next larger radius with this property, m; NaN if it is not known.
+        next: f64,
+    },
     /// For lattices or lists, not for random positions.
     OfPlaced,
     /// For a normal law; it is not the half-width of a uniform law.
@@ -322,6 +327,13 @@ impl fmt::Display for Requirement {
                 f,
                 "finite under a {shape}, which touches an infinite number of pillars of an infinite lattice: give `columns`, or a list of pillars"
             ),
+            Self::OverWholePillars { next } => {
+                f.write_str("such that the punch covers at least one pillar and its edge crosses none")?;
+                match next.is_finite() {
+                    true => write!(f, ", as {next:.4e} m"),
+                    false => Ok(()),
+                }
+            }
             Self::OfPlaced => f.write_str(
                 "that of a lattice or a list: only a pattern on a height map has pillars at random",
             ),
@@ -363,7 +375,7 @@ impl Requirement {
                 Self::KnownElastic { least, most } => (least..=most).contains(&value),
                 Self::Above(least) => value > least,
                 Self::Between(least, most) => value > least && value < most,
-                Self::FiniteUnder(_) => true,
+                Self::FiniteUnder(_) | Self::OverWholePillars { .. } => true,
             };
         if accepted {
             Ok(value)

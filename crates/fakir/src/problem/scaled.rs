@@ -3,7 +3,7 @@
 
 use super::lattice::HexagonalLattice;
 use super::layer::WeightedLayer;
-use super::lens::ShapedLens;
+use super::lens::{LensForm, LensShape, ShapedLens};
 use super::load::Load;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
@@ -41,8 +41,16 @@ impl Scene {
     pub(crate) fn new(system: &System) -> Self {
         let length = 0.5 * system.pillar().diameter;
         let (field, rotation) = PillarField::new(system, length);
+        let mut lens = system.lens().in_unit(length).turned(-rotation);
+        if lens.form() == LensForm::Punch {
+            // The field contains only the pillars that it covers: on these it is a plate.
+            lens.shape = LensShape::Plate {
+                tilt: 0.0,
+                direction: 0.0,
+            };
+        }
         Self {
-            lens: system.lens().in_unit(length).turned(-rotation),
+            lens,
             height: system.pillar().height / length,
             field,
             layers: system.weighted_layers(length),

@@ -6,6 +6,7 @@ use super::interactions::Interactions;
 use super::layer::{Layer, WeightedLayer};
 use super::lens::{Lens, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use super::system::FloorModel;
 
 /// The body that is pressed onto a surface.
 #[derive(Debug, Clone, PartialEq)]
@@ -127,6 +128,7 @@ pub struct SurfaceSystem {
     round_tops: Vec<f64>,
     continued: bool,
     floor: Option<Floor>,
+    floor_model: FloorModel,
     adhesion: Adhesion,
     interactions: Interactions,
 }
@@ -156,6 +158,7 @@ impl SurfaceSystem {
             round_tops: Vec::new(),
             continued: false,
             floor: None,
+            floor_model: FloorModel::Contact,
             adhesion: Adhesion::NONE,
             interactions: Interactions::NONE,
         })
@@ -258,6 +261,21 @@ impl SurfaceSystem {
             floor: Some(floor),
             ..self
         }
+    }
+
+    /// The same system with another model of the floor: [`FloorModel::Ignored`] requires a [floor](Self::with_floor), which then carries no load.
+    #[must_use]
+    pub fn with_floor_model(self, floor_model: FloorModel) -> Self {
+        Self {
+            floor_model,
+            ..self
+        }
+    }
+
+    /// The model of the floor.
+    #[must_use]
+    pub fn floor_model(&self) -> FloorModel {
+        self.floor_model
     }
 
     /// The body that is pressed onto the surface.

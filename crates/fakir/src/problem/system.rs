@@ -6,7 +6,7 @@ use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::interactions::Interactions;
 use super::lattice::HexagonalLattice;
 use super::layer::{Body, Layer, WeightedLayer};
-use super::lens::{Material, ShapedLens};
+use super::lens::{LensShape, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
 
@@ -81,7 +81,8 @@ impl System {
     /// # Errors
     /// The first [`InvalidQuantity`]. Lengths and moduli must be positive and finite, Poisson's ratios between 0 and 0.5, the pitch at
     /// least the diameter, the pillars lower than the lens radius, the disorder within its limits, and the tilt of a plate at most 10
-    /// degrees. Cylinders and plates require a finite number of pillars, since they touch an infinite number on an infinite lattice. The
+    /// degrees. Cylinders and plates require a finite number of pillars, since they touch an infinite number on an infinite lattice. The edge of a
+    /// punch must not cross a pillar; of a list, only the pillars that it covers remain. The
     /// compliance of elastic pillars must be available.
     pub fn new(
         lens: impl Into<ShapedLens>,
@@ -107,10 +108,19 @@ impl System {
         if !lens.is_axisymmetric() && !pattern.arrangement.is_finite() {
             R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
         }
+        let arrangement = match lens.shape {
+            LensShape::Punch { radius } => {
+                pattern.arrangement.under_punch(radius, pillar.diameter)?
+            }
+            _ => pattern.arrangement,
+        };
         let system = Self {
             lens,
             substrate,
-            pattern,
+            pattern: PillarPattern {
+                pillar,
+                arrangement,
+            },
             floor: FloorModel::Contact,
             adhesion: Adhesion::NONE,
             leaning: true,

@@ -127,6 +127,11 @@ pub enum Warning {
     /// The contact of a plate reaches the border of a non-periodic grid, or a lens is below the highest point of the surface at the border:
     /// on a larger surface, the contact may be larger.
     ReachesBorder,
+    /// The lens would be in contact with a floor that is ignored.
+    IgnoredFloor {
+        /// Depth below the floor, m.
+        depth: f64,
+    },
 }
 
 /// Warnings for a contact radius relative to the lens radius.
@@ -189,6 +194,10 @@ impl std::fmt::Display for Warning {
             Self::ReachesBorder => f.write_str(
                 "at the border of the height map the indenter is as low as the surface: contact \
                  outside the map is neglected",
+            ),
+            Self::IgnoredFloor { depth } => write!(
+                f,
+                "past the transition: this contact is computed as if the floor were not there, which the lens would pass by {depth:.2e} m"
             ),
         }
     }

@@ -73,7 +73,7 @@ impl ContactState {
         } else {
             limits_of_adhesion(system, farthest, range)
         };
-        if let Some(radius) = system.lens().radius() {
+        if let Some(radius) = system.lens().curvature_radius() {
             let ratio = farthest / radius;
             let name = "contact_radius_over_lens_radius";
             limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
@@ -141,7 +141,7 @@ impl ContactState {
                 (system.lens().material, system.lens_layer()),
                 (*system.substrate(), system.substrate_layer()),
             ],
-            lens_radius: system.lens().radius().unwrap_or(0.0),
+            lens_radius: system.lens().curvature_radius().unwrap_or(0.0),
             force: self.force,
             second_moment,
             indentation: self.indentation,
@@ -233,7 +233,7 @@ impl AsperityContact {
             let farthest = reaches.fold(0.0, f64::max);
             let slope = lens.slope_at(farthest);
             limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
-            if let Some(radius) = lens.radius() {
+            if let Some(radius) = lens.curvature_radius() {
                 let name = "contact_radius_over_lens_radius";
                 limits.push(Limit::at_most(name, farthest / radius, DOUBTFUL_CONTACT));
             }
@@ -292,7 +292,7 @@ impl SurfaceContact {
             let reach = self.reach(lens);
             let slope = lens.slope_at(reach);
             limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
-            if let Some(radius) = lens.radius() {
+            if let Some(radius) = lens.curvature_radius() {
                 let name = "contact_radius_over_lens_radius";
                 limits.push(Limit::at_most(name, reach / radius, DOUBTFUL_CONTACT));
             }

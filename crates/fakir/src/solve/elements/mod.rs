@@ -5,7 +5,7 @@
 //! * `pillars`: elements on the pillars of a lattice;
 //! * `asperities`: elements on rounded tops, and `asperity_map` on tops and floor;
 //! * [`surface`]: a lens or a plate pressed onto a height map;
-//! * `adhesive`: the same with adhesion.
+//! * `adhesive`: the same with adhesion; `surface_gradient`: derivatives.
 #![doc = ""]
 #![doc = include_str!("../../../doc/rendered/elements.md")]
 
@@ -20,4 +20,5 @@ pub(crate) mod pillars;
 pub mod separation;
 pub mod solver;
 pub mod surface;
+mod surface_gradient;
 mod surface_level;

@@ -35,7 +35,8 @@ use super::adhesive::FORCE_TOLERANCE;
 use super::surface_level::{Level, Pressed, check_whole, separation};
 use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{
-    Boundary, CyclePlan, HeightMap, Load, LoadingMode, SurfaceSystem, UnloadingPoint, Unsupported,
+    Boundary, CyclePlan, Floor, FloorModel, HeightMap, Load, LoadingMode, SurfaceSystem,
+    UnloadingPoint, Unsupported,
 };
 use crate::state::{
     ErrorEstimate, FloorErrors, Regime, Run, SolveError, SurfaceContact, SurfaceCycle,
@@ -55,16 +56,14 @@ impl SurfaceSystem {
     /// reported by [`SurfaceContact::termination`].
     pub fn press(&self, control: Load, run: &Run<'_>) -> Result<SurfaceContact, SolveError> {
         let control = self.checked(control)?;
-        let removed_floor = match control {
-            Load::FloorContact => Some(self.floor().ok_or(SolveError::NoFloor)?),
-            Load::Indentation(_) | Load::Force(_) => None,
-        };
+        let until_floor = control == Load::FloorContact;
+        let removed_floor = self.removed_floor(until_floor)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
         check_whole(self, run)?;
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
-            if removed_floor.is_some() && !level.has_floor() {
+            if until_floor && !level.has_floor() {
                 // Large cells may not resolve a small floor; the last level has the original cells.
                 continue;
             }
@@ -86,6 +85,15 @@ impl SurfaceSystem {
         }
         let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
         self.with_errors(control, level, &pressed, self.estimated(&history))
+    }
+
+    /// The floor, if it is without contact: where it is ignored, and until it is reached.
+    fn removed_floor(&self, until_floor: bool) -> Result<Option<Floor>, SolveError> {
+        if until_floor || self.floor_model() == FloorModel::Ignored {
+            self.floor().ok_or(SolveError::NoFloor).map(Some)
+        } else {
+            Ok(None)
+        }
     }
 
     /// Estimated relative errors of the last values of a sequence.
@@ -224,7 +232,7 @@ impl SurfaceSystem {
         let mut of_cycles = Vec::new();
         let mut last = None;
         for surface in self.levels() {
-            let level = Level::new(self, surface, None, run);
+            let level = Level::new(self, surface, self.removed_floor(false)?, run);
             let (mut followed, pressed) = level.follow(load, self.adhesion(), true)?;
             of_turns.push(results(&followed.level, &pressed));
             let turn = followed.copy();

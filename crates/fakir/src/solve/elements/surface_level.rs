@@ -8,7 +8,9 @@ use crate::halfspace::elements::half_space::HalfSpace;
 use crate::halfspace::elements::{Columns, Operator};
 use crate::numerics::convergence::{Judgement, smaller};
 use crate::problem::scaled::RISING;
-use crate::problem::{Boundary, Cells, Floor, Grid, HeightMap, Point, ShapedLens, SurfaceSystem};
+use crate::problem::{
+    Boundary, Cells, Floor, FloorModel, Grid, HeightMap, Point, ShapedLens, SurfaceSystem,
+};
 use crate::state::limit::DOUBTFUL_CONTACT;
 use crate::state::{
     DualityGap, LoadSharing, Progress, Run, Share, SolveError, Stage, SurfaceContact, Termination,
@@ -618,7 +620,7 @@ impl<'a> Level<'a> {
         self.floor_cells = None;
         let displacement = self.displacement()?;
         self.check_border(&displacement, pressed.indentation)?;
-        let warnings = self.warnings(&displacement, pressed.indentation);
+        let mut warnings = self.warnings(&displacement, pressed.indentation);
         let gap: Vec<f64> = self
             .separation
             .iter()
@@ -627,6 +629,13 @@ impl<'a> Level<'a> {
             .collect();
         let floor = self.system.floor();
         let grid = *self.surface.grid();
+        let nearest_floor = floor.and_then(|floor| self.nearest_floor(floor, pressed, &gap));
+        let depth = nearest_floor.map_or(0.0, |(gap, _)| -gap);
+        if self.system.floor_model() == FloorModel::Ignored
+            && depth > FLOOR_TOLERANCE * pressed.indentation
+        {
+            warnings.push(Warning::IgnoredFloor { depth });
+        }
         Ok(SurfaceContact {
             grid,
             indentation: pressed.indentation,
@@ -634,7 +643,7 @@ impl<'a> Level<'a> {
             contact_area: self.contact_area(),
             contact_radius: self.system.indenter().lens().map(|_| self.contact_radius()),
             shares: floor.map(|floor| self.shares(floor)),
-            nearest_floor: floor.and_then(|floor| self.nearest_floor(floor, pressed, &gap)),
+            nearest_floor,
             warnings,
             displacement,
             gap,
@@ -717,7 +726,8 @@ impl<'a> Level<'a> {
     fn warnings(&self, displacement: &[f64], indentation: f64) -> Vec<Warning> {
         let mut warnings = Vec::new();
         let indenter = self.system.indenter();
-        if let Some((lens, radius)) = indenter.lens().and_then(|it| Some((it, it.radius()?))) {
+        let round = indenter.lens();
+        if let Some((lens, radius)) = round.and_then(|it| Some((it, it.curvature_radius()?))) {
             let ratio = self.reach(lens) / radius;
             if ratio > DOUBTFUL_CONTACT {
                 warnings.push(Warning::LargeContact { ratio });
