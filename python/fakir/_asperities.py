@@ -237,7 +237,8 @@ class AsperityArray(Viscoelastic):
     ) -> AsperityVerification:
         """Compares the discs of contact with boundary elements, on ``cells_per_diameter`` cells across every contact and on half as many.
 
-        Past the transition the elements cover tops and floor, on that number of cells across a contact of mean radius. The discs are computed with the accurate setting. Boundary elements do not support adhesion; tops with adhesion are refused.
+        Past the transition and with adhesion the elements cover tops and floor, on that number of cells across a contact of mean radius. The discs
+        are computed with the accurate setting.
         """
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
@@ -434,14 +435,9 @@ class AsperityVerification(Opinion):
     """The contacts with boundary elements, on half as many cells and on all."""
     contact_area: Difference
     """Difference of the contact area on the tops with elements from that with discs."""
-    floor_share: Difference | None
-    """Difference of the fraction of the force carried by the floor; None if it carries no load with discs."""
 
     def __init__(self, summary: dict[str, Any], discs: AsperityContact) -> None:
         super().__init__(summary)
-        self.contact_area = self._difference("contact_area")
-        has_share = "floor_share" in summary["relative_difference"]
-        self.floor_share = self._difference("floor_share") if has_share else None
         coarse, fine = (
             AsperityElements(
                 row["cells_per_diameter"],
@@ -459,11 +455,7 @@ class AsperityVerification(Opinion):
 
     def _rows(self) -> list[Row]:
         coarse, fine = self.elements
-        return self._rows_of(
-            [("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)],
-            [("contact area", self.contact_area)]
-            + ([] if self.floor_share is None else [("floor share", self.floor_share)]),
-        )
+        return self._rows_of([("discs", self.discs), ("elements, coarse", coarse), ("elements", fine)])
 
 
 class AsperityTransition(AsperityTransitionNumbers):

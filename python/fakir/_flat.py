@@ -20,7 +20,7 @@ from ._numbers import FlatCycleNumbers, FlatPressNumbers
 from ._quantity import FloatArray, Quantity, array
 from ._run import Progress, options, warn, warn_of_interactions
 from ._settings import Overrides, load, settings
-from ._verification import Opinion, checked_cells
+from ._verification import Difference, Opinion, checked_cells
 from .errors import NotConverged
 
 if TYPE_CHECKING:
@@ -223,10 +223,7 @@ class FlatSystem(Viscoelastic, Shown):
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> FlatVerification:
-        """Compares the disc of contact with boundary elements, on ``cells_per_diameter`` cells across the contact and on half as many.
-
-        Boundary elements do not support adhesion; a system with adhesion is refused: use ``system.replace({"adhesion.work": 0})``.
-        """
+        """Compares the disc of contact with boundary elements, on ``cells_per_diameter`` cells across the contact and on half as many."""
         checked_cells(cells_per_diameter)
         run = options(threads, progress, memory_limit)
         question = load(indentation, force)
@@ -304,6 +301,8 @@ class FlatVerification(Opinion):
     """The contact as one disc."""
     elements: tuple[FlatElements, FlatElements]
     """The contacts with boundary elements, on half as many cells and on all."""
+    contact_area: Difference
+    """Difference of the contact area with elements from that of the disc."""
 
     def __init__(self, summary: dict[str, Any], disc: FlatContact) -> None:
         super().__init__(summary)

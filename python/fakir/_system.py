@@ -505,8 +505,7 @@ class System(Viscoelastic, Shown):
     ) -> Verification:
         """Compares the spectral method with boundary elements on the same problem.
 
-        The problem is the critical state, or the contact under a load if one is given. Boundary elements do not support adhesion;
-        a system with adhesion is refused: use ``system.replace({"adhesion.work": 0})``.
+        The problem is the critical state, or the contact under a load if one is given: with adhesion on loading.
         """
         question = load_or_critical(indentation, force)
         run = options(threads, progress, memory_limit)

@@ -48,11 +48,19 @@ class Opinion(Result):
     """Difference of the elements from the spectral method or from discs, or of the coarser cells from the finer ones."""
     indentation: Difference
     """The same for the indentation."""
+    contact_area: Difference | None
+    """The same for the contact area, on rounded tops without the floor; None on two meshes, and on flat tops without adhesion."""
+    floor_share: Difference | None
+    """The same for the fraction of the force carried by the floor; None if it carries no load, and on two meshes."""
 
     def __init__(self, summary: dict[str, Any]) -> None:
         self._summary = summary
         self.verdict, self.doubt = summary["verdict"], summary["doubt"]
         self.force, self.indentation = (self._difference(name) for name in ("force", "indentation"))
+        self.contact_area, self.floor_share = (
+            self._difference(name) if name in summary["relative_difference"] else None
+            for name in ("contact_area", "floor_share")
+        )
 
     def _difference(self, name: str) -> Difference:
         summary = self._summary
@@ -66,18 +74,20 @@ class Opinion(Result):
         """Whether both converged and agree within their error estimates."""
         return self.verdict == "agree"
 
-    def _rows_of(
-        self,
-        answers: Sequence[tuple[str, Loaded]],
-        further: Sequence[tuple[str, Difference]] = (),
-    ) -> list[Row]:
+    def _rows_of(self, answers: Sequence[tuple[str, Loaded]]) -> list[Row]:
         rows = [
             (name, f"{engineering(s.force, 'N')}, {engineering(s.indentation, 'm')}")
             for name, s in answers
         ]
-        differences = [("force", self.force), ("indentation", self.indentation), *further]
-        for name, (relative, allowed) in differences:
-            rows.append((f"difference in {name}", f"{relative:.1e}, allowed {allowed:.1e}"))
+        differences = [
+            ("force", self.force),
+            ("indentation", self.indentation),
+            ("contact area", self.contact_area),
+            ("floor share", self.floor_share),
+        ]
+        for name, of in differences:
+            if of is not None:
+                rows.append((f"difference in {name}", f"{of.relative:.1e}, allowed {of.allowed:.1e}"))
         verdicts = {
             "agree": "the answers agree",
             "disagree": "THE ANSWERS DISAGREE",

@@ -146,6 +146,9 @@ def test_pull_off_scatters_with_the_work_of_adhesion(system):
     assert spread.pull_off_force is None and spread.hysteresis is None
 
 
-def test_elements_give_no_second_opinion_on_adhesion(system):
-    with pytest.raises(fakir.FakirError, match="no second method for adhesion"):
-        system.verify()
+def test_elements_give_a_second_opinion_on_adhesion(system):
+    few = system.replace({"pattern.surface_fraction": 0.1, "lens.radius": "0.5 mm"})
+    found = few.verify(indentation="0.3 um")
+    assert found.agrees and abs(found.contact_area.relative) < found.contact_area.allowed < 0.2
+    assert "difference in contact area" in str(found)
+    assert few.replace({"adhesion.work": 0}).verify(indentation="0.3 um").contact_area is None

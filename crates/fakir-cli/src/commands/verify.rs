@@ -109,6 +109,10 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
             estimate(Some(row.indentation_error_estimate))
         }),
     ];
+    if verification.area.is_some() {
+        let area = |row: &AnswerRow| Some(row.contact_area_m2? * 1e12);
+        columns.push(Column::number("contact area (um^2)", AREA_DIGITS, area));
+    }
     if verification.floor_share.is_some() {
         columns.push(Column::number("on the floor", DIGITS, |row| {
             row.floor_share
@@ -130,18 +134,20 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
         }),
     ]);
     let verdict = verdict_words(verification.verdict());
+    let named = [
+        ("force", Some(verification.force)),
+        ("indentation", Some(verification.indentation)),
+        ("the contact area", verification.area),
+        ("the fraction on the floor", verification.floor_share),
+    ];
+    let differences = named.into_iter();
+    let differences: String = differences
+        .filter_map(|(name, of)| Some(difference(name, of?)))
+        .collect();
     format!(
-        "Verification by an independent method\n{}\n\n{}\n{}{}{}\n{verdict}, in {}.\n",
+        "Verification by an independent method\n{}\n\n{}\n{differences}\n{verdict}, in {}.\n",
         pillar_pattern_line(&case.system),
         table(rows, &columns),
-        difference("force", verification.force),
-        difference("indentation", verification.indentation),
-        verification
-            .floor_share
-            .map_or(String::new(), |share| difference(
-                "the fraction on the floor",
-                share
-            )),
         seconds(wall_time)
     )
 }
@@ -190,7 +196,11 @@ fn of_flat(
     let summary = SurfaceVerifySummary::of_flat(&case.system, control, &found, wall_time);
     let compared = AgainstElements {
         summary: &summary,
-        differences: vec![("force", found.force), ("indentation", found.indentation)],
+        differences: vec![
+            ("force", found.force),
+            ("indentation", found.indentation),
+            ("the contact area", found.area),
+        ],
         verdict: found.verdict(),
         cells: format!("{cells} cells across the contact"),
         toml: case.to_toml(),

@@ -201,7 +201,7 @@ fn what_cannot_be_is_refused() {
     let bench = Bench::new();
     let (case, plain) = (adhesive(), example("paper-intermediate.toml"));
     let surface = example("square-pillars.toml");
-    let attempts: [(&[&str], &str); 17] = [
+    let attempts: [(&[&str], &str); 16] = [
         (
             &["transition", &plain, "--attraction-range", "5nm"],
             "--attraction-range needs adhesive pillar tops",
@@ -225,7 +225,6 @@ fn what_cannot_be_is_refused() {
             &["approach", &case, "--attraction-range", "5nm"],
             "unexpected argument",
         ),
-        (&["verify", &case], "there is no second method for adhesion"),
         (&["cycle", &plain], "a cycle needs adhesive pillar tops"),
         (&["cycle", &surface], "a cycle needs adhesion"),
         (
@@ -296,32 +295,38 @@ fn the_loading_continues_on_the_floor() {
     assert!((0.001..0.1).contains(&share), "{share}");
 }
 
-/// Only cases without adhesion are verified, and this is reported: a case with adhesion is refused at the key of the adhesion.
+/// Adhesive boundary elements on a height map of the same pillars confirm force and area on loading, which is not the contact without adhesion.
 #[test]
-fn elements_verify_the_contact_without_adhesion_only() {
+fn elements_verify_adhesive_tops() {
     let bench = Bench::new();
     let case = adhesive();
-    let refused = bench.run(&["verify", &case]);
-    assert_eq!(refused.status, Some(2));
-    for words in [
-        "adhesion.work",
-        "adhesive.toml:27:8",
-        "with a work of adhesion of 0",
-    ] {
+    let few = [
+        "verify",
+        &case,
+        "--indentation",
+        "0.3um",
+        "--set",
+        "pattern.surface_fraction=0.1",
+        "--set",
+        "lens.radius=0.5mm",
+        "--quiet",
+    ];
+    let found = bench.json(&few);
+    assert_eq!(found["verdict"], "agree", "{found}");
+    for name in ["force", "contact_area"] {
+        let difference = found["relative_difference"][name].as_f64().unwrap();
+        let allowed = found["allowed_difference"][name].as_f64().unwrap();
         assert!(
-            refused.stderr.contains(words),
-            "{words}: {}",
-            refused.stderr
+            difference.abs() < allowed && allowed < 0.2,
+            "{name}: {found}"
         );
     }
-    let few = [
-        "--set",
-        "adhesion.work=0",
-        "--set",
-        "pattern.surface_fraction=0.003",
-    ];
-    let found = bench.json(&[&["verify", &case], &few[..]].concat());
-    assert_eq!(found["verdict"], "agree");
+    let dry = bench.json(&[&few[..], &["--set", "adhesion.work=0"]].concat());
+    assert!(dry["relative_difference"]["contact_area"].is_null());
+    let force = |found: &serde_json::Value| found["answers"][2]["force_N"].as_f64().unwrap();
+    assert!(force(&found) < 0.9 * force(&dry));
+    let text = bench.run(&few);
+    assert!(text.stdout.contains("Difference in the contact area"));
 }
 
 /// No number of a comparison is presented as including adhesion if it does not.

@@ -506,7 +506,6 @@ recorded! {
     adhesive_theory,
     adhesive_transition,
     adhesive_transition_attraction_range,
-    adhesive_verify_refused,
     approach_default,
     approach_homogenised,
     approach_past_transition,

@@ -25,6 +25,9 @@ pub struct AnswerRow {
     pub indentation_m: f64,
     /// Contact radius, m.
     pub contact_radius_m: f64,
+    /// Area in contact on tops and floor, m^2, with adhesion; `None` without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contact_area_m2: Option<f64>,
     /// Smallest gap between lens and floor, m.
     pub smallest_floor_gap_m: f64,
     /// Force on the floor, N; `None` past the transition if floor contact is ignored.
@@ -57,7 +60,7 @@ struct Differences {
     /// If the floor carries load.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor_share: Option<f64>,
-    /// If it is compared: on rounded tops.
+    /// If it is compared: not on flat tops without adhesion, and not on two meshes.
     #[serde(skip_serializing_if = "Option::is_none")]
     contact_area: Option<f64>,
 }
@@ -87,6 +90,7 @@ impl VerifySummary {
         let verdict = verification.verdict();
         let differences = |of: fn(&Difference) -> f64| Differences {
             floor_share: verification.floor_share.as_ref().map(of),
+            contact_area: verification.area.as_ref().map(of),
             ..differences(&verification.force, &verification.indentation, of)
         };
         Self {
@@ -128,6 +132,8 @@ impl AnswerRow {
             force_N: state.force,
             indentation_m: state.indentation,
             contact_radius_m: state.whole_contact_radius(),
+            contact_area_m2: (!state.system.adhesion().is_none())
+                .then(|| state.areas().whole().value),
             smallest_floor_gap_m: state.smallest_floor_gap,
             floor_force_N: of_floor(state, |floor| floor.force),
             floor_share: of_floor(state, |floor| floor.share),
@@ -268,7 +274,10 @@ impl SurfaceVerifySummary {
         verification: &FlatVerification,
         wall_time: f64,
     ) -> Self {
-        let differences = |of| differences(&verification.force, &verification.indentation, of);
+        let differences = |of: fn(&Difference) -> f64| Differences {
+            contact_area: Some(of(&verification.area)),
+            ..differences(&verification.force, &verification.indentation, of)
+        };
         let elements = verification.elements.iter().zip(verification.cells);
         let elements = elements.map(|(contact, cells)| MeshRow {
             name: format!("elements, {cells} cells"),

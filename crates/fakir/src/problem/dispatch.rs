@@ -385,13 +385,6 @@ static RULES: &[Rule] = &[
         "use the spectral method",
     ),
     rule(
-        &[Question::Verify, Question::VerifyFloor],
-        ON_PILLARS,
-        &[ADHESIVE_TOPS],
-        "there is no second method for adhesion: only the spectral method supports it",
-        "with a work of adhesion of 0 the contact without adhesion is verified; the loop area of a cycle can be compared with the energy that its events dissipate",
-    ),
-    rule(
         &[Question::Gradient],
         ON_PILLARS,
         &[ADHESIVE_TOPS],
@@ -635,11 +628,4 @@ static RULES: &[Rule] = &[
         "a contact with a flat surface is computed from closed forms already",
         "use `press`",
     )),
-    rule(
-        &[Question::Verify, Question::VerifyFloor],
-        &[Solver::Flat, Solver::Asperities],
-        &[ADHESIVE_TOPS],
-        "there is no second method for adhesion: its tension at the rim is infinite, and boundary elements support only pressures",
-        "with a work of adhesion of 0 the contact without adhesion is verified; `press` estimates the error",
-    ),
 ];

@@ -57,6 +57,19 @@ pub struct ContactAreas {
     pub floor: Option<Area>,
 }
 
+impl ContactAreas {
+    /// The area on tops and floor together; without the latter if it is not known.
+    #[must_use]
+    pub fn whole(&self) -> Area {
+        let floor = self.floor.unwrap_or(Area::exact(0.0));
+        let errors = self.tops.error.zip(floor.error);
+        Area {
+            value: self.tops.value + floor.value,
+            error: errors.map(|(tops, floor)| tops + floor),
+        }
+    }
+}
+
 /// The lateral force of a sliding contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LateralForce {

@@ -25,7 +25,7 @@ pub struct AsperityElements {
     pub error: ErrorEstimate,
     /// Estimated relative error of the contact area.
     pub area_error: f64,
-    /// The floor between the tops; `None` where it carries no load in the other solution, so that there are cells on the tops only.
+    /// The floor between the tops; `None` where it carries no load.
     pub floor: Option<FloorElements>,
     /// Why the solver stopped.
     pub termination: Termination,
@@ -55,10 +55,10 @@ impl AsperityElements {
         self.termination == Termination::Converged
     }
 
-    /// Number of tops that carry a force.
+    /// Number of tops that carry a force, of either sign with adhesion.
     #[must_use]
     pub fn touched(&self) -> usize {
-        self.forces.iter().filter(|force| **force > 0.0).count()
+        self.forces.iter().filter(|force| force.abs() > 0.0).count()
     }
 
     /// Checks that all numbers are finite before the contact is returned.

@@ -2,7 +2,7 @@
 
 use super::{Difference, InconclusiveReason, Verdict};
 use crate::numerics::convergence::larger;
-use crate::problem::{Accuracy, AsperityArray, Feature, Load, Question, Solver};
+use crate::problem::{Accuracy, AsperityArray, Load};
 use crate::solve::elements::asperities::press_asperities;
 use crate::solve::elements::asperity_map::press_on_map;
 use crate::state::{
@@ -60,26 +60,22 @@ impl AsperityVerification {
 /// With elements, contacts may have any shape, and tops that are not touched according to the other method are checked. Both methods share
 /// the undeformed gap and the elastic response of the half-space: the displacement due to modes of a disc, and due to a square.
 ///
-/// Past the transition, elements cover tops and floor on one grid, and the fraction of the load carried by the floor is compared as well.
-/// `cells` is then their number across a contact of mean radius, weighted with the forces.
+/// Past the transition and with adhesion, elements cover tops and floor on one grid, and the fraction of the load carried by the floor is compared
+/// as well. `cells` is then their number across a contact of mean radius, weighted with the forces, or with the areas if the tops are adhesive.
 ///
 /// # Errors
-/// As [`AsperityArray::press`] and [`SurfaceSystem::press`](crate::problem::SurfaceSystem::press); [`SolveError::Unsupported`] with adhesion.
+/// As [`AsperityArray::press`] and [`SurfaceSystem::press`](crate::problem::SurfaceSystem::press).
 pub fn verify_asperities(
     array: &AsperityArray,
     load: Load,
     cells: usize,
     run: &Run<'_>,
 ) -> Result<AsperityVerification, SolveError> {
-    let features: &[Feature] = match array.adhesion().is_none() {
-        true => &[],
-        false => &[Feature::AdhesiveTops],
-    };
-    Question::Verify.check(Solver::Asperities, features)?;
     let discs = array.press(load, Accuracy::Accurate, run)?;
-    let elements = match array.floor().filter(|_| discs.floor.is_some()) {
-        Some(depth) => press_on_map(array, (load, depth), &discs, cells, run)?,
-        None => press_asperities(array, load, &discs, cells, run)?,
+    let is_adhesive = !array.adhesion().is_none() && discs.touched() > 0;
+    let elements = match discs.floor.is_some() || is_adhesive {
+        true => press_on_map(array, load, &discs, cells, run)?,
+        false => press_asperities(array, load, &discs, cells, run)?,
     };
     let fine = &elements[1];
     let unknown = AsperityErrors {

@@ -55,7 +55,7 @@ const PRODUCT_LIMIT: usize = 500;
 
 /// Largest number of solutions in the search for the end of a loading, and the accuracy of a prescribed force.
 const SEARCH_LIMIT: usize = 40;
-pub(super) const FORCE_TOLERANCE: f64 = 1e-6;
+const FORCE_TOLERANCE: f64 = 1e-6;
 
 /// A cell of a floor without adhesion that has detached this many times at one indentation stays detached there, so that cells do not alternate.
 const MOST_PARTINGS: u8 = 3;

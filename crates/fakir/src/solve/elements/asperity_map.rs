@@ -1,14 +1,14 @@
-//! Rounded tops and the floor between them on one grid of cells: an independent check past the transition.
+//! Rounded tops and the floor between them on one grid of cells: an independent check past the transition and with adhesion.
 //!
 //! The height map contains the tops as far as they are above the floor, which is all other cells. Contacts may have any shape, on tops and on
-//! the floor. Only the size of the cells and the extent of the grid depend on the other solution.
+//! the floor. If the floor is not reached or not computed, it is below all contacts. Only the size of the cells and the extent of the grid depend on the other solution.
 //!
 //! # Error estimate
 //!
 //! [`SurfaceSystem::press`] estimates errors from cells of four times and twice the size. How well cells cover a contact depends on where it is,
 //! so that these differences may be small by accident: the difference between the two requested sizes is added to them.
 
-use super::surface_level::check_fields;
+use super::surface_level::{check_fields, is_loaded};
 use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{
     Asperity, AsperityArray, Boundary, Floor, Grid, HeightMap, Layer, Load, PillarColumns, Point,
@@ -26,14 +26,19 @@ const BEYOND_TOPS: f64 = 1.25;
 /// Extent of the grid in units of the farthest part of the expected contact.
 const AROUND: f64 = 1.1;
 
-/// The contact with half of `cells` across a mean contact, and with all of them. `expected` is the contact of the same array under the same
-/// load, in which the floor, at this depth (m), carries load.
+/// Free cells around every adhesive contact, in units of its radius: the gap beside its edge determines how it moves.
+const AROUND_ADHESIVE: f64 = 0.5;
+
+/// Depth of a floor that is not computed below the edge of a contact, in units of the depth of the latter below the summit.
+const BELOW_EDGE: f64 = 4.0;
+
+/// The contact with half of `cells` across a mean contact, and with all of them. `expected` is the contact of the same array under the same load.
 ///
 /// # Errors
 /// As [`SurfaceSystem::press`].
 pub(crate) fn press_on_map(
     array: &AsperityArray,
-    (load, depth): (Load, f64),
+    load: Load,
     expected: &AsperityContact,
     cells: usize,
     run: &Run<'_>,
@@ -41,7 +46,7 @@ pub(crate) fn press_on_map(
     let map = Map {
         array,
         load,
-        depth,
+        depth: depth(array, expected),
         expected,
         run,
     };
@@ -49,6 +54,20 @@ pub(crate) fn press_on_map(
     compare(&mut found);
     let [coarse, fine] = found;
     Ok([coarse.checked()?, fine.checked()?])
+}
+
+/// Depth of the floor (m), or of one that is out of reach.
+fn depth(array: &AsperityArray, expected: &AsperityContact) -> f64 {
+    let floor = array.floor().filter(|_| array.is_floor_loaded());
+    floor.unwrap_or_else(|| {
+        let tops = array.asperities().iter().zip(&expected.asperities);
+        let edges = tops.map(|(top, state)| {
+            let edge = 0.5 * state.radius * state.radius / top.top_radius;
+            BELOW_EDGE * edge - top.raised
+        });
+        let below = array.highest() + expected.indentation;
+        edges.fold(BELOW_EDGE * larger(below, 0.0) - array.highest(), larger)
+    })
 }
 
 struct Map<'a> {
@@ -73,10 +92,14 @@ impl Map<'_> {
                 false => 0.0,
             }
         });
+        let around = match self.array.adhesion().is_none() {
+            true => 1.0,
+            false => 1.0 + AROUND_ADHESIVE,
+        };
         let states = self.expected.asperities.iter();
         let discs = states
             .filter(|state| state.radius > 0.0)
-            .map(|state| state.centre[0].hypot(state.centre[1]) + state.radius);
+            .map(|state| state.centre[0].hypot(state.centre[1]) + around * state.radius);
         // At the border of the grid, the undeformed lens must be above the floor, and above the tops that are near the border.
         let lens = self.array.indenter().lens();
         let rise = |rise: f64| lens.and_then(|lens| lens.distance_of_rise(rise));
@@ -93,14 +116,20 @@ impl Map<'_> {
         larger(reach, smaller(beyond_tops, above_tops))
     }
 
-    /// Mean radius of the contacts with tops, weighted with their forces; that of the floor if no top is touched, m.
+    /// Mean radius of the contacts with tops, weighted with their forces, or with their areas if these forces may be tensile; that of the floor if no
+    /// top is touched, m.
     fn mean_radius(&self) -> f64 {
+        let is_adhesive = !self.array.adhesion().is_none();
         let states = self.expected.asperities.iter();
-        let [force, radius] = states.fold([0.0; 2], |[force, radius], state| {
-            [force + state.force, radius + state.force * state.radius]
+        let [weight, radius] = states.fold([0.0; 2], |[sum, radius], state| {
+            let weight = match is_adhesive {
+                true => state.radius * state.radius,
+                false => state.force,
+            };
+            [sum + weight, radius + weight * state.radius]
         });
-        match force > 0.0 {
-            true => radius / force,
+        match weight > 0.0 {
+            true => radius / weight,
             false => self.expected.floor.as_ref().map_or(0.0, |it| it.radius),
         }
     }
@@ -143,7 +172,8 @@ impl Map<'_> {
         let layers = self.array.layers().map(Option::<&Layer>::copied);
         let boundary = Boundary::FreeSpace;
         let system = SurfaceSystem::new(indenter, *self.array.substrate(), map, boundary)
-            .and_then(|system| system.with_layers(layers[0], layers[1]));
+            .and_then(|system| system.with_layers(layers[0], layers[1]))
+            .and_then(|system| system.with_adhesion(self.array.adhesion()));
         Ok(system
             .map_err(|_| impossible)?
             .with_floor(Floor::OffPillars))
@@ -179,13 +209,14 @@ impl Map<'_> {
         let mut reach = 0.0;
         let half = 0.5 * contact.grid.cell()[0];
         let pressures = contact.grid.centres().zip(&contact.pressure).enumerate();
-        for (cell, ([x, y], pressure)) in pressures.filter(|(_, (_, value))| **value > 0.0) {
+        for (cell, ([x, y], pressure)) in pressures.filter(|(_, (_, value))| is_loaded(**value)) {
             if let Some(force) = forces.get_mut(surface.surface().label(cell) as usize) {
                 *force += area * pressure;
                 reach = larger(reach, x.hypot(y) + half);
             }
         }
         let shares = contact.shares.unwrap_or_default();
+        let has_floor = self.expected.floor.is_some() || shares.floor.area > 0.0;
         let part =
             |error: f64, whole: f64, of: f64| if of > 0.0 { error * whole / of } else { 1.0 };
         let error = contact.error.unwrap_or(ErrorEstimate {
@@ -214,7 +245,7 @@ impl Map<'_> {
                 ),
                 false => 0.0,
             },
-            floor: Some(FloorElements {
+            floor: has_floor.then(|| FloorElements {
                 force: shares.floor.force,
                 share: shares.floor.force / contact.force,
                 area: shares.floor.area,

@@ -80,5 +80,6 @@ fn surface_system(
     };
     let made = SurfaceSystem::new(indenter, *system.substrate(), surface, Boundary::FreeSpace)?;
     let [substrate, lens] = system.layers().map(Option::<&_>::copied);
-    Ok(made.with_layers(substrate, lens)?)
+    let made = made.with_layers(substrate, lens)?;
+    Ok(made.with_adhesion(system.adhesion())?)
 }

@@ -1,13 +1,13 @@
-//! A pillar pattern with its floor, with boundary elements: an independent check past the transition.
+//! A pillar pattern with its floor, with boundary elements: an independent check past the transition and with adhesion.
 //!
 //! The cells cover pillar tops and floor alike, and the discs are matched to flat punches.
 
-use super::surface_level::check_fields;
+use super::surface_level::{check_fields, is_loaded};
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
-    Boundary, Cells, ElementMesh, Feature, Floor, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Layer, Load, MeshLayout, Method, PillarColumns, PlacedPillar, Question,
-    Solver, SurfaceSystem, System,
+    Boundary, Cells, ElementMesh, Floor, FloorModel, Grid, HeightMap, Indenter, InvalidGrid,
+    InvalidHeightMap, Layer, LensForm, Load, MeshLayout, Method, PillarColumns, PlacedPillar,
+    SurfaceSystem, System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -27,7 +27,6 @@ pub(crate) fn press_with_floor(
     reach: f64,
     run: &Run<'_>,
 ) -> Result<ContactState, SolveError> {
-    Question::VerifyFloor.check(Solver::Elements, &Feature::of(system))?;
     let pillars = system.pillars_within(2.0 * reach);
     let impossible = SolveError::NotFinite {
         what: "cell of the surface",
@@ -61,6 +60,15 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
     Grid::centred(count, count, cell)
 }
 
+/// The floor, which carries no load where the spectral method does not compute it.
+fn floor_model(system: &System) -> FloorModel {
+    let has_axis = system.lens().is_axisymmetric() && system.lens().form() != LensForm::Punch;
+    match has_axis {
+        true => system.floor_model(),
+        false => FloorModel::Ignored,
+    }
+}
+
 /// The pattern on cells.
 fn surface_system(
     system: &System,
@@ -72,8 +80,11 @@ fn surface_system(
     let surface = SurfaceSystem::new(lens, *system.substrate(), heights, Boundary::FreeSpace)?;
     let layers = [system.substrate_layer(), system.lens_layer()].map(Option::<&Layer>::copied);
     let surface = surface.with_layers(layers[0], layers[1])?;
+    let surface = surface.with_adhesion(system.adhesion())?;
     let surface = surface.with_tops_of(diameters);
-    let surface = surface.with_floor(Floor::OffPillars);
+    let surface = surface
+        .with_floor(Floor::OffPillars)
+        .with_floor_model(floor_model(system));
     // If pillars differ or end, the surroundings of the grid do not resemble its highest part.
     let arrangement = system.arrangement();
     Ok(
@@ -143,11 +154,11 @@ fn state(
         let label = labels.map_or(HeightMap::NO_PILLAR, |labels| labels[cell]);
         (label != HeightMap::NO_PILLAR).then_some(label)
     };
-    // Number of loaded and of unloaded cells of every touched pillar.
+    // Number of cells in contact and of free cells of every touched pillar.
     let mut touched: HashMap<u32, [usize; 2]> = HashMap::new();
     for (cell, pressure) in contact.pressure.iter().enumerate() {
         if let Some(pillar) = pillar_of(cell) {
-            touched.entry(pillar).or_default()[usize::from(*pressure <= 0.0)] += 1;
+            touched.entry(pillar).or_default()[usize::from(!is_loaded(*pressure))] += 1;
         }
     }
     touched.retain(|_, [pressed, _]| *pressed > 0);
@@ -156,13 +167,13 @@ fn state(
     let farthest = |on_pillar: bool| {
         let cells = grid.centres().zip(&contact.pressure).enumerate();
         let pressed = cells.filter(|(cell, (_, pressure))| {
-            **pressure > 0.0 && pillar_of(*cell).is_some() == on_pillar
+            is_loaded(**pressure) && pillar_of(*cell).is_some() == on_pillar
         });
         let distances = pressed.map(|(_, ([x, y], _))| x.hypot(y) + 0.5 * width.min(height));
         distances.fold(0.0, f64::max)
     };
     let on_floor = Cells::where_true(&grid, |cell| {
-        contact.pressure[cell] > 0.0 && pillar_of(cell).is_none()
+        is_loaded(contact.pressure[cell]) && pillar_of(cell).is_none()
     });
     let share = contact.shares.unwrap_or_default().floor;
     let tops = pillars
@@ -212,7 +223,11 @@ fn state(
         pillars_in_contact: touched.len(),
         pillars_partially_in_contact: partial,
         floor: loaded.then_some(floor),
-        smallest_floor_gap: if loaded { 0.0 } else { gap.max(0.0) },
+        smallest_floor_gap: match surface.floor_model() {
+            FloorModel::Ignored => gap,
+            FloorModel::Contact if loaded => 0.0,
+            FloorModel::Contact => gap.max(0.0),
+        },
         smallest_gap_position: position,
         error: contact.error.unwrap_or(ErrorEstimate {
             force: f64::INFINITY,

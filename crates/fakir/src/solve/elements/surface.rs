@@ -26,12 +26,11 @@
 //! wavelengths.
 //!
 //! With [adhesion](super::adhesive) the whole loading is followed on cells of twice the size and on all. How well cells follow its edges depends on
-//! chance, so that the estimate is twice the difference, and at least the accuracy of the laws by which edges move.
+//! chance, so that the estimate is twice the difference (three times on round tops), and at least the accuracy of the laws by which edges move.
 //!
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
 //! along the edge of the contact, which are counted fully or not at all.
 
-use super::adhesive::FORCE_TOLERANCE;
 use super::surface_level::{Level, Pressed, check_whole, separation};
 use crate::numerics::convergence::{larger, smaller};
 use crate::problem::{
@@ -103,10 +102,14 @@ impl SurfaceSystem {
             changes
         } else {
             let last = history.last()?;
+            let safety = match self.round_tops() {
+                [] => SAFETY_WITH_ADHESION,
+                _ => SAFETY_ON_DISCS,
+            };
             // What is not there has no error: a floor without load.
             std::array::from_fn(|k| match last[k] {
                 0.0 => changes[k],
-                _ => larger(SAFETY_WITH_ADHESION * changes[k], LEAST_WITH_ADHESION),
+                _ => larger(safety * changes[k], LEAST_WITH_ADHESION),
             })
         })
     }
@@ -127,22 +130,19 @@ impl SurfaceSystem {
             // The error due to a contact that the cells do not resolve is unknown.
             (*force, *area) = (1.0, 1.0);
         }
-        let safety = if self.round_tops().is_empty() {
+        let is_adhesive = !self.adhesion().is_none();
+        let safety = if self.round_tops().is_empty() || is_adhesive {
             1.0
         } else {
             SAFETY_ON_DISCS
         };
         let error = changes.map(|[force, indentation, ..]| ErrorEstimate {
             force: match control {
-                // With adhesion a force may be passed in a jump.
-                Load::Force(wanted) if !self.adhesion().is_none() => {
-                    let missed = (pressed.force - wanted).abs() / pressed.force.abs().max(wanted);
-                    if missed > FORCE_TOLERANCE {
-                        missed
-                    } else {
-                        0.0
-                    }
-                }
+                // With adhesion a force may be passed in a jump, and is found to a tolerance otherwise.
+                Load::Force(wanted) if is_adhesive => match (pressed.force - wanted).abs() {
+                    0.0 => 0.0,
+                    missed => missed / pressed.force.abs().max(wanted),
+                },
                 Load::Force(_) => 0.0,
                 Load::Indentation(_) | Load::FloorContact => safety * force,
             },

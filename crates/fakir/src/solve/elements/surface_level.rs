@@ -414,13 +414,18 @@ impl<'a> Level<'a> {
         self.loaded().count() as f64 * self.surface.grid().cell_area()
     }
 
-    /// Whether the undeformed lens is below some part of a cell at an indentation, although it may be above its centre.
+    /// Whether the undeformed lens is below some part of a cell at an indentation, or touches it with adhesion, although it may be above its centre.
     pub(super) fn is_touched_between_centres(&self, indentation: f64) -> bool {
         let Some(lens) = self.system.indenter().lens() else {
             return false;
         };
         let (grid, highest) = (self.surface.grid(), self.system.surface().highest());
         let [width, height] = grid.cell();
+        // An adhesive lens jumps into contact where it touches, to within rounding.
+        let rounding = match self.system.adhesion().is_none() {
+            true => 0.0,
+            false => f64::EPSILON * width,
+        };
         self.surface
             .heights()
             .iter()
@@ -428,7 +433,7 @@ impl<'a> Level<'a> {
             .any(|(cell, top)| {
                 let centre = from_axis(self.system, grid, cell);
                 let least = lens.least_over_cell(centre, [0.5 * width, 0.5 * height]);
-                least + (highest - top) < indentation
+                least + (highest - top) < indentation + rounding
             })
     }
 
@@ -748,7 +753,7 @@ impl<'a> Level<'a> {
 }
 
 /// Whether a cell with this pressure is in contact; a negative pressure is adhesion.
-fn is_loaded(pressure: f64) -> bool {
+pub(super) fn is_loaded(pressure: f64) -> bool {
     pressure.abs() > 0.0
 }
 
