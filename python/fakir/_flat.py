@@ -258,12 +258,36 @@ class FlatContact(FlatPressNumbers):
         super().__init__(answer)
         self.system = system
 
-    def pressure(self, radius: ArrayLike) -> FloatArray:
-        """Contact pressure (Pa) at distances from the lens axis (m); zero outside of the contact, negative where adhesion pulls."""
+    def pressure(
+        self, radius: ArrayLike, *, threads: int = 1, memory_limit: int | None = None
+    ) -> FloatArray:
+        """Contact pressure (Pa) at distances from the lens axis (m); zero outside of the contact, negative where adhesion pulls.
+
+        Distances may have any shape: ``contact.pressure(np.hypot(x, y))`` is a map.
+        """
+        return self._field(2, radius, threads, memory_limit)
+
+    def gap(
+        self, radius: ArrayLike, *, threads: int = 1, memory_limit: int | None = None
+    ) -> FloatArray:
+        """Gap (m) between the lens and the surface at distances from the lens axis (m); infinite beyond the rim of a punch."""
+        return self._field(1, radius, threads, memory_limit)
+
+    def displacement(
+        self, radius: ArrayLike, *, threads: int = 1, memory_limit: int | None = None
+    ) -> FloatArray:
+        """Separation of the two surfaces by the pressure (m) at distances from the lens axis (m)."""
+        return self._field(0, radius, threads, memory_limit)
+
+    def _field(
+        self, number: int, radius: ArrayLike, threads: int, memory_limit: int | None
+    ) -> FloatArray:
         distances = np.asarray(array(radius, "length", "radius"), dtype=np.float64)
+        _fakir.check_points(distances.size, memory_limit)
+        run = options(threads, memory_limit=memory_limit)
         flat = np.ascontiguousarray(distances.ravel())
-        found = self.system._flat.pressure(self.contact_radius or 0.0, self.indentation, flat)
-        return np.asarray(found).reshape(distances.shape)
+        samples = self.system._flat.sample(self.contact_radius or 0.0, self.indentation, flat, run)
+        return np.asarray(samples[number]).reshape(distances.shape)
 
     def _rows(self) -> list[Row]:
         return [

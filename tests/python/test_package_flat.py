@@ -29,6 +29,26 @@ def test_a_paraboloid_is_hertz():
     assert ratio == pytest.approx(np.array([[0.8, 0.0]]), abs=1e-7)
 
 
+def test_fields_beside_the_contact_are_those_of_hertz():
+    """K. L. Johnson, Contact Mechanics, eq. 3.42a, as a map of both coordinates."""
+    system = fakir.problem(lens(fakir.ParaboloidLens), RUBBER, fakir.Flat())
+    contact = system.press(indentation="1 um")
+    a = contact.contact_radius
+    axis = np.linspace(-3 * a, 3 * a, 61)
+    r = np.hypot(*np.meshgrid(axis, axis))
+    outside = r > a
+    r_out = r[outside]
+    hertz = (2 * a**2 - r_out**2) * np.arcsin(a / r_out) + a * np.sqrt(r_out**2 - a**2)
+    displacement, gap = contact.displacement(r), contact.gap(r)
+    assert displacement[outside] == pytest.approx(hertz / (math.pi * RADIUS), rel=1e-4)
+    assert displacement[~outside] == pytest.approx(1e-6 - r[~outside] ** 2 / (2 * RADIUS), rel=1e-9)
+    assert (gap == 0).sum() == (~outside).sum() and (gap[outside] > 0).all()
+    force = contact.pressure(r).sum() * (axis[1] - axis[0]) ** 2
+    assert force == pytest.approx(contact.force, rel=0.01)
+    punch = fakir.problem(fakir.FlatPunch("50 um", "70 GPa", 0.22), RUBBER, fakir.Flat())
+    assert punch.press(force="1 mN").gap(["40 um", "60 um"]).tolist() == [0, math.inf]
+
+
 def test_a_cycle_is_that_of_johnson_kendall_and_roberts():
     system = fakir.FlatSystem(lens(fakir.ParaboloidLens), RUBBER, adhesion=WORK)
     cycle = system.cycle(to="10 um")

@@ -1579,7 +1579,8 @@ impl RangeArguments {
 struct FieldArguments {
     /// Points across the maps of pressure, gap and displacement, fields.nc and fields.vti; with --output
     ///
-    /// The maps contain the contact and one more pitch on each side. Default: 12 points across a pillar, but at most 511 in total.
+    /// The maps contain the contact and one more pitch on each side. Default: 12 points across a pillar, but at most 511 in total; on a flat
+    /// surface, 201.
     #[arg(long, value_name = "N", requires = "output", value_parser = field_points)]
     field_points: Option<usize>,
 }

@@ -162,7 +162,7 @@ impl Section {
         })
     }
 
-    /// Computes the section of a contact with a flat surface, whose height is 0. On layers it ends at the rim of the contact.
+    /// Computes the section of a contact with a flat surface, whose height is 0.
     #[must_use]
     pub fn of_flat(system: &FlatSystem, contact: &FlatContact, detail: SectionDetail) -> Self {
         let widest = match system.probe() {
@@ -170,10 +170,9 @@ impl Section {
             Probe::Punch { radius, .. } => 4.0 * radius,
         };
         let radius = contact.contact_radius;
-        let half_width = match (system.has_layers(), radius > 0.0) {
-            (true, true) => (1.0 - 1e-9) * radius,
-            (false, true) => (2.5 * radius).min(widest),
-            (_, false) => 0.1 * widest,
+        let half_width = match radius > 0.0 {
+            true => (2.5 * radius).min(widest),
+            false => 0.1 * widest,
         };
         let rim = CutPillar {
             start: -radius,

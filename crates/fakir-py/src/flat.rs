@@ -3,13 +3,16 @@
 use crate::answer::{Answer, warnings};
 use crate::error::{PYTHON, approach_error, case_error, solve_error, warn_of_deprecations};
 use crate::load::{load, path, plan};
+use crate::samples::{Field, arrays};
 use crate::settings::settings;
 use crate::watched::{Options, watched};
+use fakir::problem::Point;
+use fakir::solve::flat::FlatFields;
 use fakir::state::{FlatContact, FlatCycle};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
 use fakir_study::record::{FlatAnswer, GradientObject};
 use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, flat_press, json};
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -74,17 +77,22 @@ impl Flat {
         self.case.system.reduced_modulus()
     }
 
-    /// Pressure (Pa) at distances from the lens axis (m), of the contact with this radius and indentation (m).
-    fn pressure<'py>(
+    /// Displacement (m), gap (m) and pressure (Pa) at distances from the lens axis (m), of the contact with this radius and indentation (m).
+    fn sample<'py>(
         &self,
         py: Python<'py>,
         contact_radius: f64,
         indentation: f64,
         distances: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let system = &self.case.system;
-        let pressures = system.pressure_of_disc(contact_radius, indentation, distances.as_slice()?);
-        Ok(PyArray1::from_vec(py, pressures))
+        options: Options,
+    ) -> PyResult<[Field<'py>; 3]> {
+        let points: Vec<Point> = distances.as_slice()?.iter().map(|at| [*at, 0.0]).collect();
+        let farthest = points
+            .iter()
+            .fold(0.0, |most: f64, at| most.max(at[0].abs()));
+        let fields = FlatFields::of_disc(&self.case.system, contact_radius, indentation, farthest);
+        let samples = watched(py, &options, |run| fields.sample(&points, run))?;
+        Ok(arrays(py, samples.map_err(|error| solve_error(&error))?))
     }
 }
 

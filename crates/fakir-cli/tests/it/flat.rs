@@ -66,8 +66,22 @@ fn files_of_a_contact_a_loading_and_a_cycle() {
     saved(&["press", CASE, "--indentation", "2um"], "press");
     has(
         "press",
-        &["pressure.csv", "flat-pressure.svg", "flat-pressure.png"],
+        &[
+            "pressure.csv",
+            "flat-pressure.svg",
+            "flat-pressure.png",
+            "fields.nc",
+            "fields.vti",
+        ],
     );
+    let folder_of = "maps";
+    saved(
+        &["press", CASE, "--force", "1mN", "--field-points", "33"],
+        folder_of,
+    );
+    // Eight bytes for each point of three maps, with coordinates and texts.
+    let size = std::fs::metadata(folder.path().join("maps/fields.nc")).unwrap();
+    assert!((3 * 8 * 33 * 33..60_000).contains(&size.len()), "{size:?}");
     saved(&["approach", CASE, "--to", "3um"], "approach");
     has("approach", &["approach.csv", "approach.svg"]);
     saved(&["cycle", CASE, "--to", "3um"], "cycle");

@@ -1,8 +1,9 @@
 //! A flat surface.
 
 use super::kind::{Context, Found, Kind, Reached, Saved, saved_curve};
-use super::request::{AnswerError, Details, Request, Running};
+use super::request::{AnswerError, Details, Maps, Request, Running};
 use crate::citations::Topic;
+use crate::fields::FieldMap;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
@@ -82,6 +83,9 @@ impl Kind for FlatCase {
             return Err(AnswerError::Refused(
                 "the range of the attraction has no meaning without adhesion: give a work of adhesion",
             ));
+        }
+        if let (Request::Contact(_), Maps::Points(Some(points))) = (request, details.maps) {
+            FieldMap::check_memory([points; 2], run)?;
         }
         Ok(())
     }
@@ -163,6 +167,9 @@ impl Kind for FlatCase {
     }
 
     fn solution(&self, list: &mut QuantityList, contact: &FlatContact, wall_time: f64) {
+        (running.next)("fields");
+        let map = FieldMap::of_flat(&self.system, contact, points, &running.run)?;
+        files.extend(map.files(provenance));
         list.row(
             "solution",
             contact.termination.description().to_owned(),
@@ -174,9 +181,9 @@ impl Kind for FlatCase {
     fn files(
         &self,
         found: &Reached<FlatContact>,
-        _: Option<usize>,
+        points: Option<usize>,
         provenance: &Provenance,
-        _: &Running<'_>,
+        running: &Running<'_>,
     ) -> Result<Saved, AnswerError> {
         let contact = found.contact();
         let place = |k: usize| k as f64 / (PRESSURES - 1) as f64;

@@ -1,8 +1,10 @@
 //! Fields of a contact on a regular grid.
 
 use fakir::numerics::convergence::clamped;
-use fakir::problem::{Indenter, Point, SurfaceSystem};
-use fakir::state::{AsperityContact, ContactState, FieldSamples, Run, SolveError, SurfaceContact};
+use fakir::problem::{FlatSystem, Indenter, Point, Probe, SurfaceSystem};
+use fakir::state::{
+    AsperityContact, ContactState, FieldSamples, FlatContact, Run, SolveError, SurfaceContact,
+};
 use fakir_case::AsperityCase;
 
 /// Largest number of points across: three fields of this number squared take 100 MB.
@@ -17,6 +19,10 @@ const POINTS_PER_DIAMETER: f64 = 12.0;
 
 /// Largest default number of points across; odd, so that the lens axis is one of them.
 const USUAL_POINTS: usize = 511;
+
+/// Default number of points across a flat surface, and the half width of its map in contact radii.
+const FLAT_POINTS: usize = 201;
+const FLAT_RADII: f64 = 2.5;
 
 /// Pitches shown on each side if nothing is touched.
 const BARE_PITCHES: f64 = 2.0;
@@ -124,8 +130,9 @@ impl FieldMap {
                 "The mean over the cell around each point, half a spacing each way: at the rim of a covered pillar the pressure itself is infinite. The \
                  sum over points times the area of a cell is the force.",
                 "To the pillar top where there is one, to the floor elsewhere.",
+                WITHOUT_PILLARS,
             ],
-            on_pillar,
+            Some(on_pillar),
         );
         Ok(Some(Self {
             x: axis,
@@ -162,11 +169,11 @@ impl FieldMap {
         let variables = sampled(
             samples,
             [
-                "The mean of 16 points in the cell around each point, half a spacing each way. The sum over points times the area of a cell is \
-                 about the force.",
+                MEAN_OF_SIXTEEN,
                 "To the top where there is one, to the floor elsewhere, which is not touched.",
+                WITHOUT_PILLARS,
             ],
-            on_top.collect(),
+            Some(on_top.collect()),
         );
         Ok(Some(Self {
             x,
@@ -176,6 +183,55 @@ impl FieldMap {
             around_axis: case.field.indenter().lens().is_some(),
             variables,
         }))
+    }
+
+    /// The fields of a contact with a flat surface, on a square around the axis of 2.5 contact radii on each side. `points` across, by default
+    /// 201.
+    ///
+    /// # Errors
+    /// As [`of_contact`](Self::of_contact).
+    ///
+    /// # Panics
+    /// If fewer than two points are requested.
+    pub fn of_flat(
+        system: &FlatSystem,
+        contact: &FlatContact,
+        points: Option<usize>,
+        run: &Run<'_>,
+    ) -> Result<Self, SolveError> {
+        let widest = match system.probe() {
+            Probe::Lens(lens) => LARGEST_WIDTH * lens.widest(),
+            Probe::Punch { .. } => f64::INFINITY,
+        };
+        let half_width = match contact.contact_radius > 0.0 {
+            true => (FLAT_RADII * contact.contact_radius).min(widest),
+            // Any width shows a lens that touches nothing; a paraboloid has no end.
+            false => [0.1 * widest, contact.indentation.abs(), 1e-6]
+                .into_iter()
+                .find(|width| width.is_finite() && *width > 0.0)
+                .unwrap_or(1e-6),
+        };
+        let axis = Axis::symmetric(half_width, points.unwrap_or(FLAT_POINTS));
+        Self::check_memory([axis.count; 2], run)?;
+        let coordinates = axis.coordinates();
+        let fields = system.fields(contact, half_width * std::f64::consts::SQRT_2);
+        let variables = sampled(
+            fields.on_grid(&coordinates, &coordinates, run)?,
+            [
+                MEAN_OF_SIXTEEN,
+                "To the flat surface; not a number beyond the rim of a punch.",
+                "Sum over both bodies.",
+            ],
+            None,
+        );
+        Ok(Self {
+            x: axis,
+            y: axis,
+            force: contact.force,
+            indentation: contact.indentation,
+            around_axis: true,
+            variables,
+        })
     }
 
     /// Returns an error if a map with these numbers of points, and its files, exceed the memory limit.
@@ -266,13 +322,17 @@ fn numbers(
     }
 }
 
-/// The fields of discs of contact, with notes on pressure and gap.
+const MEAN_OF_SIXTEEN: &str = "The mean of 16 points in the cell around each point, half a spacing each way. The sum over points times the area of \
+                               a cell is about the force.";
+const WITHOUT_PILLARS: &str = "Sum over both bodies, without the shortening of the pillars.";
+
+/// The fields of discs of contact, with notes on pressure, gap and displacement, and where pillars are, if there are any.
 fn sampled(
     samples: FieldSamples,
-    [on_pressure, on_gap]: [&str; 2],
-    on_pillar: Vec<i8>,
+    [on_pressure, on_gap, on_displacement]: [&str; 3],
+    on_pillar: Option<Vec<i8>>,
 ) -> Vec<Variable> {
-    vec![
+    let mut variables = vec![
         numbers(
             "pressure",
             "Pa",
@@ -291,11 +351,12 @@ fn sampled(
             "displacement",
             "m",
             "by how much the pressure has moved the two surfaces apart",
-            "Sum over both bodies, without the shortening of the pillars.",
+            on_displacement,
             samples.displacement,
         ),
-        on_pillar_variable(on_pillar),
-    ]
+    ];
+    variables.extend(on_pillar.map(on_pillar_variable));
+    variables
 }
 
 /// Both axes of a map of rounded tops, with the same spacing.

@@ -114,6 +114,7 @@ pub struct Unsupported {
 }
 
 /// A row of the table: questions that some solvers do not support for problems with some features.
+#[derive(Clone, Copy)]
 struct Rule {
     /// Empty for all questions.
     asked: &'static [Question],
@@ -613,13 +614,6 @@ static RULES: &[Rule] = &[
         &[],
         "a flat surface has nothing to design but the lens, for which closed forms can be solved",
         "use `sweep` with the quantity as an axis",
-    ),
-    rule(
-        &[Question::Fields],
-        FLAT,
-        &[],
-        "the contact is axisymmetric: there are no maps",
-        "leave them out: the table of the pressure over the radius is saved with the figures",
     ),
     meaningless(rule(
         &[Question::Theory, Question::Compare],

@@ -6,7 +6,10 @@
 //! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
+mod fields;
 mod gradient;
+
+pub use fields::FlatFields;
 
 use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::line::integral_and_negative_part;
@@ -495,52 +498,19 @@ impl FlatSystem {
     /// The same of the contact with a radius at an indentation, m.
     #[must_use]
     pub fn pressure_of_disc(&self, radius: f64, indentation: f64, distances: &[f64]) -> Vec<f64> {
-        if radius <= 0.0 {
-            return vec![0.0; distances.len()];
-        }
-        let (disc, sum) = self.solved(radius, indentation);
-        let factor = self.reduced_modulus() / (PI * radius);
-        let at = |distance: &f64| {
-            let place = distance.abs() / radius;
-            if place < 1.0 {
-                factor * disc.pressure(&sum, place)
-            } else {
-                0.0
-            }
-        };
+        let fields = FlatFields::of_disc(self, radius, indentation, 0.0);
+        let at = |distance: &f64| fields.pressure([*distance, 0.0]);
         distances.iter().map(at).collect()
     }
 
-    /// The disc of a contact with a radius at an indentation, m, and the solution on it.
-    fn solved(&self, radius: f64, indentation: f64) -> (Disc, Vec<f64>) {
-        let bench = Bench::new(self, 1.0);
-        let disc = bench.disc(radius);
-        let [one, bent] = bench.solutions(&disc, radius);
-        let parts = one.iter().zip(&bent);
-        let sum = parts.map(|(one, bent)| indentation * one + bent).collect();
-        (disc, sum)
-    }
-
-    /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart: that which the contact needs inside,
-    /// and that of half-spaces outside. NaN outside of a contact with a layer.
+    /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart.
     #[must_use]
     pub fn displacement(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
-        let (radius, indentation) = (contact.contact_radius, contact.indentation);
-        if radius <= 0.0 {
-            return vec![0.0; distances.len()];
-        }
-        let (disc, sum) = self.solved(radius, indentation);
-        let at = |distance: &f64| {
-            let place = distance.abs() / radius;
-            if place <= 1.0 {
-                let sag = self.lens().map_or(0.0, |lens| lens.sag([*distance, 0.0]));
-                indentation - sag
-            } else if self.has_layers() {
-                f64::NAN
-            } else {
-                disc.displacement_outside(&sum, place)
-            }
-        };
+        let farthest = distances
+            .iter()
+            .fold(0.0, |most: f64, it| larger(most, it.abs()));
+        let fields = self.fields(contact, farthest);
+        let at = |distance: &f64| fields.displacement([*distance, 0.0]);
         distances.iter().map(at).collect()
     }
 

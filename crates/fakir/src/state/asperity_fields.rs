@@ -4,16 +4,13 @@ use super::asperity_contact::AsperityContact;
 use super::discs::Contacts;
 use super::error::SolveError;
 use super::run::Run;
-use super::samples::{FieldSamples, grid_points, in_batches};
+use super::samples::{FieldSamples, sample_cells, sample_points};
 use crate::halfspace::disc::basis::{BasisEvaluator, compliances, degree_with};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::floor::load::FloorLoad;
 use crate::halfspace::layer::discs::{LayerField, around_force};
 use crate::problem::{Asperity, AsperityArray, Point};
 use std::sync::Arc;
-
-/// Number of points across a cell whose mean pressure is computed.
-const PER_CELL: usize = 4;
 
 /// The contact with rounded tops as functions of position, in m from the lens axis.
 pub struct AsperityFields {
@@ -182,7 +179,7 @@ impl AsperityFields {
     /// [`SolveError::TooManyPoints`] if the memory limit would be exceeded; interruption.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
         let of_point = |at: Point| [self.displacement(at), self.gap(at), self.pressure(at)];
-        sampled(points, of_point, run)
+        sample_points(points, of_point, run)
     }
 
     /// The same on a grid of equidistant points, x fastest; the pressure is the mean of 16 points in the cell around each point.
@@ -190,39 +187,9 @@ impl AsperityFields {
     /// # Errors
     /// As [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
-        let side = |axis: &[f64]| axis.get(1).map_or(0.0, |next| next - axis[0]);
-        let cell = [side(x), side(y)];
-        let inside = |place: usize| (place as f64 + 0.5) / PER_CELL as f64 - 0.5;
-        let of_point = |at: Point| {
-            let places = (0..PER_CELL).flat_map(|row| (0..PER_CELL).map(move |it| [it, row]));
-            let pressures = places
-                .map(|place| self.pressure([0, 1].map(|k| at[k] + cell[k] * inside(place[k]))));
-            let mean = pressures.sum::<f64>() / (PER_CELL * PER_CELL) as f64;
-            [self.displacement(at), self.gap(at), mean]
-        };
-        FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
-        sampled(&grid_points(x, y), of_point, run)
+        let others = |at: Point| [self.displacement(at), self.gap(at)];
+        sample_cells([x, y], others, |at| self.pressure(at), run)
     }
-}
-
-/// Displacement, gap and pressure at points.
-fn sampled(
-    points: &[Point],
-    of_point: impl Fn(Point) -> [f64; 3] + Sync + Send,
-    run: &Run<'_>,
-) -> Result<FieldSamples, SolveError> {
-    FieldSamples::check_memory(points.len(), 0, run)?;
-    let batch = |points: &[Point]| {
-        run.check_cancelled()?;
-        Ok(points.iter().map(|point| of_point(*point)).collect())
-    };
-    let mut samples = FieldSamples::default();
-    for [displacement, gap, pressure] in in_batches(points, batch, run)? {
-        samples.displacement.push(displacement);
-        samples.gap.push(gap);
-        samples.pressure.push(pressure);
-    }
-    Ok(samples)
 }
 
 /// Omits the tables used for evaluation.

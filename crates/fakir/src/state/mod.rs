@@ -58,6 +58,7 @@ pub use limit::Limit;
 pub use resolution::{LARGEST_ERROR, Remedy, Unresolved};
 pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
+pub(crate) use samples::{sample_cells, sample_points};
 pub use shared::{Contact, Solution};
 pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};
 pub use surface_cycle::{SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep};

@@ -208,13 +208,13 @@ impl ContactState {
 }
 
 /// The points of a grid, by rows.
-pub(super) fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
+fn grid_points(x: &[f64], y: &[f64]) -> Vec<Point> {
     let row = |&y: &f64| x.iter().map(move |&x| [x, y]);
     y.iter().flat_map(row).collect()
 }
 
 /// Values at points, computed in batches on the threads of a run.
-pub(super) fn in_batches<T: Copy + Send>(
+fn in_batches<T: Copy + Send>(
     points: &[Point],
     batch: impl Fn(&[Point]) -> Result<Vec<T>, SolveError> + Sync + Send,
     run: &Run<'_>,
@@ -225,6 +225,52 @@ pub(super) fn in_batches<T: Copy + Send>(
         .map(batches.len(), 1, || (), |(), number| batch(batches[number]));
     let values: Result<Vec<_>, SolveError> = values.into_iter().collect();
     Ok(values?.concat())
+}
+
+/// Number of points across a cell whose mean pressure is computed.
+const PER_CELL: usize = 4;
+
+/// Displacement, gap and pressure at points, from a function of a point.
+pub(crate) fn sample_points(
+    points: &[Point],
+    of_point: impl Fn(Point) -> [f64; 3] + Sync + Send,
+    run: &Run<'_>,
+) -> Result<FieldSamples, SolveError> {
+    FieldSamples::check_memory(points.len(), 0, run)?;
+    let batch = |points: &[Point]| {
+        run.check_cancelled()?;
+        Ok(points.iter().map(|point| of_point(*point)).collect())
+    };
+    let mut samples = FieldSamples::default();
+    for [displacement, gap, pressure] in in_batches(points, batch, run)? {
+        samples.displacement.push(displacement);
+        samples.gap.push(gap);
+        samples.pressure.push(pressure);
+    }
+    Ok(samples)
+}
+
+/// The same on a grid of equidistant points, x fastest: displacement and gap at the points, and the mean of the pressure at 16 points in the cell
+/// around each.
+pub(crate) fn sample_cells(
+    [x, y]: [&[f64]; 2],
+    displacement_and_gap: impl Fn(Point) -> [f64; 2] + Sync + Send,
+    pressure: impl Fn(Point) -> f64 + Sync + Send,
+    run: &Run<'_>,
+) -> Result<FieldSamples, SolveError> {
+    let side = |axis: &[f64]| axis.get(1).map_or(0.0, |next| next - axis[0]);
+    let cell = [side(x), side(y)];
+    let inside = |place: usize| (place as f64 + 0.5) / PER_CELL as f64 - 0.5;
+    let of_point = |at: Point| {
+        let places = (0..PER_CELL).flat_map(|row| (0..PER_CELL).map(move |it| [it, row]));
+        let pressures =
+            places.map(|place| pressure([0, 1].map(|k| at[k] + cell[k] * inside(place[k]))));
+        let mean = pressures.sum::<f64>() / (PER_CELL * PER_CELL) as f64;
+        let [displacement, gap] = displacement_and_gap(at);
+        [displacement, gap, mean]
+    };
+    FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
+    sample_points(&grid_points(x, y), of_point, run)
 }
 
 /// A rectangle of lattice indices.

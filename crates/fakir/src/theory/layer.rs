@@ -191,17 +191,21 @@ impl Disc {
             let scale = radius / layer.thickness;
             let factor = 2.0 / PI * layer.weight * scale;
             for (wave, weight) in LayerResponse::of(layer).rule(2.0 * scale) {
-                let cosine = |node: &(f64, f64)| (wave * scale * node.0).cos();
-                let parts = self.nodes.iter().zip(solution);
-                let part: f64 = parts
-                    .map(|(node, theta)| node.1 * cosine(node) * theta)
-                    .sum();
+                let part = self.transformed(solution, wave * scale);
                 for (sum, node) in sums.iter_mut().zip(&self.nodes) {
-                    *sum += factor * weight * part * cosine(node);
+                    *sum += factor * weight * part * (wave * scale * node.0).cos();
                 }
             }
         }
         sums
+    }
+
+    /// `∫_0^1 pi theta(u) cos(k u) du` of a solution: the transform of its pressure at a wave number, in units of the radius.
+    pub(crate) fn transformed(&self, solution: &[f64], wave: f64) -> f64 {
+        let parts = self.nodes.iter().zip(solution);
+        parts
+            .map(|((u, weight), theta)| weight * (wave * u).cos() * theta)
+            .sum()
     }
 
     /// Integral of a solution from the axis to the rim.
