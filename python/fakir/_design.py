@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
 from . import _fakir
 from ._asperities import AsperityArray, AsperityContact, AsperityCycle, AsperityTransition
 from ._cycle import Cycle
+from ._flat import FlatContact, FlatCycle, FlatSystem
 from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, si
 from ._result import Result
@@ -31,8 +32,8 @@ class Candidate(NamedTuple):
 
     value: float
     """The value of the free key, in SI units."""
-    system: System | AsperityArray | Surface
-    """The system, the rounded tops or the height map, with this value."""
+    system: System | AsperityArray | Surface | FlatSystem
+    """The system, the rounded tops, the height map or the flat surface, with this value."""
     reached: (
         CriticalState
         | ContactState
@@ -42,31 +43,37 @@ class Candidate(NamedTuple):
         | AsperityCycle
         | SurfaceTransition
         | SurfaceContact
+        | FlatContact
+        | FlatCycle
     )
-    """Its critical state; its contact under the load for a target floor share; its cycle for a target pull-off force."""
+    """Its critical state; its contact under the load for a target of that contact; its cycle for a target pull-off force."""
 
     @property
     def critical(self) -> CriticalState | AsperityTransition | SurfaceTransition:
-        """Its critical state; computed on access for a target floor share or pull-off force."""
+        """Its critical state; computed on access for other targets. A flat surface has none."""
         reached = self.reached
         if isinstance(reached, (CriticalState, AsperityTransition, SurfaceTransition)):
             return reached
+        if isinstance(self.system, FlatSystem):
+            raise DesignError("a flat surface has no critical state: it has no floor between pillars")
         return self.system.transition()
 
     @property
-    def cycle(self) -> Cycle | AsperityCycle:
+    def cycle(self) -> Cycle | AsperityCycle | FlatCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         reached = self.reached
-        if isinstance(reached, (Cycle, AsperityCycle)):
+        if isinstance(reached, (Cycle, AsperityCycle, FlatCycle)):
             return reached
+        if isinstance(self.system, FlatSystem):
+            return self.system.cycle(to=self.state.indentation)
         if isinstance(self.system, Surface):
             raise DesignError("adhesion, and cycles, are not supported on a height map")
         return self.system.cycle()
 
     @property
-    def state(self) -> ContactState | AsperityContact | SurfaceContact:
-        """Its contact: critical, or under the load for a target floor share."""
-        if isinstance(self.reached, (ContactState, AsperityContact, SurfaceContact)):
+    def state(self) -> ContactState | AsperityContact | SurfaceContact | FlatContact:
+        """Its contact: critical, or under the load for a target of that contact."""
+        if isinstance(self.reached, (ContactState, AsperityContact, SurfaceContact, FlatContact)):
             return self.reached
         critical = self.critical
         return critical.state if isinstance(critical, CriticalState) else critical.contact
@@ -81,8 +88,8 @@ class Design(Result):
     """The free key."""
     value: float
     """Its value, in SI units."""
-    system: System | AsperityArray | Surface
-    """The system, the rounded tops or the height map, with this value."""
+    system: System | AsperityArray | Surface | FlatSystem
+    """The system, the rounded tops, the height map or the flat surface, with this value."""
     sensitivity: float
     """Relative change of the result divided by that of the value: the required manufacturing accuracy."""
 
@@ -102,26 +109,27 @@ class Design(Result):
 
     @property
     def critical(self) -> CriticalState | AsperityTransition | SurfaceTransition:
-        """Its critical state; computed on access for a target floor share or pull-off force."""
+        """Its critical state; computed on access for other targets. A flat surface has none."""
         return self._found.critical
 
     @property
-    def cycle(self) -> Cycle | AsperityCycle:
+    def cycle(self) -> Cycle | AsperityCycle | FlatCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         return self._found.cycle
 
     @property
-    def state(self) -> ContactState | AsperityContact | SurfaceContact:
-        """Its contact: critical, or under the load for a target floor share."""
+    def state(self) -> ContactState | AsperityContact | SurfaceContact | FlatContact:
+        """Its contact: critical, or under the load for a target of that contact."""
         return self._found.state
 
     def _rows(self) -> list[Row]:
-        length = not self.free.endswith(("fraction", "modulus"))
-        unit = "m" if length else "Pa" if self.free.endswith("modulus") else ""
+        units = {"fraction": "", "modulus": "Pa", "work": "J/m²", "receding": "J/m²"}
+        unit = units.get(self.free.rsplit(".")[-1].rsplit("_")[-1], "m")
         reached = self._found.reached
         contact: list[Row]
-        of_other_surfaces = (AsperityTransition, AsperityContact, SurfaceTransition, SurfaceContact)
-        if isinstance(reached, (Cycle, AsperityCycle, *of_other_surfaces)):
+        of_tops = (AsperityTransition, AsperityContact, AsperityCycle)
+        of_other_surfaces = (SurfaceTransition, SurfaceContact, FlatContact, FlatCycle)
+        if isinstance(reached, (Cycle, *of_tops, *of_other_surfaces)):
             contact = reached._rows()
         elif isinstance(reached, CriticalState):
             contact = [
@@ -152,7 +160,7 @@ class OutOfReach(DesignError):
 
 
 def design(
-    system: System | AsperityArray | Surface,
+    system: System | AsperityArray | Surface | FlatSystem,
     free: str,
     *,
     critical_force: Quantity | None = None,
@@ -167,7 +175,7 @@ def design(
     force: Quantity | None = None,
     contact_radius: Quantity | None = None,
 ) -> Design:
-    """Finds the value of one quantity for a target critical force, critical contact radius, floor share or pull-off force.
+    """Finds the value of one quantity for a target of the critical state, of the contact under a load, or of the pull-off.
 
     Parameters
     ----------
@@ -177,61 +185,72 @@ def design(
     free
         Key of the quantity: ``"pattern.pitch"``, ``"pattern.surface_fraction"``, ``"pattern.pillar.height"``,
         ``"pattern.pillar.diameter"``, ``"lens.radius"``, ``"lens.young_modulus"``, ``"substrate.young_modulus"``,
-        ``"substrate.thickness"``, ``"lens.thickness"`` or the modulus of an elastic base; for rounded tops also
+        ``"substrate.thickness"``, ``"lens.thickness"``, the modulus of an elastic base, ``"adhesion.work"`` or
+        ``"adhesion.work_receding"``; for rounded tops also
         ``"pattern.top_radius"``; for a height map ``"surface.height_unit"`` and the lengths of its pillars.
     critical_force, critical_contact_radius
         Target of the critical state (N, m).
     floor_share, at_force, at_indentation
         Target fraction of the load carried by the floor past the transition, as in ``0.2`` or ``"20 %"``, and the load at which
         it applies: a force (N) or an indentation (m). It is met within its estimated error.
+    force, contact_radius
+        Target force (N) of the contact at ``at_indentation``, or contact radius (m) of the contact at ``at_force`` or
+        ``at_indentation``. Without a load they are the older names of ``critical_force`` and ``critical_contact_radius``.
     pull_off
         Target pull-off force (N, as a positive number) on unloading from the critical state, or from the contact at ``at_force``
-        or ``at_indentation``, for a system with adhesion. It is met within its numerical error. Exactly one of
-        ``critical_force``, ``critical_contact_radius``, ``floor_share`` and ``pull_off`` must be given.
-    force, contact_radius
-        The older names of these.
+        or ``at_indentation``, for a system with adhesion. It is met within its numerical error.
+
+    Exactly one target must be given. A flat surface has no critical state and no floor: its targets are the force, the contact
+    radius and the pull-off force, with a load.
 
     Raises
     ------
     OutOfReach
         If the target is unattainable; contains the closest attainable value and the reason.
     """
-    critical_force = _renamed("force", force, "critical_force", critical_force)
-    critical_contact_radius = _renamed(
-        "contact_radius", contact_radius, "critical_contact_radius", critical_contact_radius
-    )
-    given = [critical_force, critical_contact_radius, floor_share, pull_off]
+    is_loaded = at_force is not None or at_indentation is not None
+    if not is_loaded:
+        critical_force = _renamed("force", force, "critical_force", critical_force)
+        critical_contact_radius = _renamed(
+            "contact_radius", contact_radius, "critical_contact_radius", critical_contact_radius
+        )
+        force = contact_radius = None
+    loaded: list[tuple[str, Quantity | None, Literal["fraction", "force", "length"]]] = [
+        ("floor_share", floor_share, "fraction"),
+        ("pull_off", pull_off, "force"),
+        ("force", force, "force"),
+        ("contact_radius", contact_radius, "length"),
+    ]
+    given = [critical_force, critical_contact_radius, *(value for _, value, _ in loaded)]
     if sum(value is not None for value in given) != 1:
         raise TypeError(
-            "give exactly one of critical_force, critical_contact_radius, floor_share and pull_off"
+            "give exactly one of critical_force, critical_contact_radius, force, contact_radius, floor_share and pull_off"
         )
-    is_loaded = at_force is not None or at_indentation is not None
-    if floor_share is None and pull_off is None and is_loaded:
+    if is_loaded and (critical_force is not None or critical_contact_radius is not None):
         raise TypeError(
-            "at_force and at_indentation are the load of floor_share or pull_off: give one of these"
+            "at_force and at_indentation are the load of floor_share, force, contact_radius or pull_off: give one of these"
         )
     if at_force is not None and at_indentation is not None:
         raise TypeError("give exactly one of at_force and at_indentation")
-    if floor_share is not None and (at_force is None) == (at_indentation is None):
+    if floor_share is not None and not is_loaded:
         raise TypeError("give the load of floor_share: exactly one of at_force and at_indentation")
-    wanted_force = (
-        None if critical_force is None else si(critical_force, "force", "critical_force")
-    )
-    wanted_radius = (
-        None
-        if critical_contact_radius is None
-        else si(critical_contact_radius, "length", "critical_contact_radius")
-    )
     run = options(threads, progress, memory_limit)
     load = (
         None if at_force is None else si(at_force, "force", "at_force"),
         None if at_indentation is None else si(at_indentation, "length", "at_indentation"),
     )
-    wanted_share = (
-        None if floor_share is None else (si(floor_share, "fraction", "floor_share"), *load)
+    targets = [
+        (name, (si(value, dimension, name), *load))
+        for name, value, dimension in loaded
+        if value is not None
+    ]
+    wanted = (
+        None if critical_force is None else si(critical_force, "force", "critical_force"),
+        None
+        if critical_contact_radius is None
+        else si(critical_contact_radius, "length", "critical_contact_radius"),
+        targets[0] if targets else None,
     )
-    wanted_pull = None if pull_off is None else (si(pull_off, "force", "pull_off"), *load)
-    wanted = (wanted_force, wanted_radius, wanted_share, wanted_pull)
     problem = system._problem()
     warn_of_interactions(problem, "design", depth=1)
     summary, found = _fakir.design(problem, free, wanted, run)
@@ -245,7 +264,14 @@ def design(
     raise OutOfReach(answer["design"]["statement"], candidates)
 
 
-def _candidate(value: float, case: _fakir.Case | _fakir.Asperities | _fakir.Surface, found: Any) -> Candidate:
+def _candidate(
+    value: float, case: _fakir.Case | _fakir.Asperities | _fakir.Surface | _fakir.Flat, found: Any
+) -> Candidate:
+    if isinstance(case, _fakir.Flat):
+        flat = FlatSystem._of(case)
+        if isinstance(found, _fakir.Answer):
+            return Candidate(value, flat, FlatContact(found, flat))
+        return Candidate(value, flat, FlatCycle(*found))
     if isinstance(case, _fakir.Surface):
         surface = Surface._of(case)
         if isinstance(found, _fakir.SurfaceTransition):

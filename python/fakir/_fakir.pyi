@@ -298,33 +298,15 @@ class Ledger:
     def close(self) -> None: ...
 
 def design(
-    case: Case | Asperities | Surface,
+    case: Case | Asperities | Surface | Flat,
     free: str,
     wanted: tuple[
         float | None,
         float | None,
-        tuple[float, float | None, float | None] | None,
-        tuple[float, float | None, float | None] | None,
+        tuple[str, tuple[float, float | None, float | None]] | None,
     ],
     options: Options,
-) -> tuple[
-    str,
-    list[
-        tuple[
-            float,
-            Case | Asperities,
-            Critical
-            | State
-            | Cycle
-            | AsperityTransition
-            | tuple[
-                Answer,
-                list[tuple[str, float, float, float, int]],
-                list[tuple[str, str, int, float, float, float]],
-            ],
-        ]
-    ],
-]: ...
+) -> tuple[str, list[tuple[float, Case | Asperities | Surface | Flat, Any]]]: ...
 def sampling_defaults() -> tuple[int, int]: ...
 def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(

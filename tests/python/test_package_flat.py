@@ -46,7 +46,28 @@ def test_fields_beside_the_contact_are_those_of_hertz():
     force = contact.pressure(r).sum() * (axis[1] - axis[0]) ** 2
     assert force == pytest.approx(contact.force, rel=0.01)
     punch = fakir.problem(fakir.FlatPunch("50 um", "70 GPa", 0.22), RUBBER, fakir.Flat())
-    assert punch.press(force="1 mN").gap(["40 um", "60 um"]).tolist() == [0, math.inf]
+    assert punch.press(force="1 mN").gap([40e-6, 60e-6]).tolist() == [0, math.inf]
+
+
+def test_a_lens_is_designed():
+    """Hertz's force and the pull-off of Johnson, Kendall and Roberts."""
+    system = fakir.problem(lens(fakir.ParaboloidLens), RUBBER, fakir.Flat())
+    found = fakir.design(system, "lens.radius", force="1 mN", at_indentation="1 um")
+    radius = (3e-3 / (4 * system.reduced_modulus * 1e-6**1.5)) ** 2
+    assert found.value == pytest.approx(radius, rel=1e-6)
+    assert found.sensitivity == pytest.approx(0.5, rel=1e-3)
+    assert found.state.force == pytest.approx(1e-3) and found.system.lens.radius == found.value
+    with pytest.raises(fakir.DesignError, match="no critical state"):
+        found.critical
+    wide = fakir.design(system, "lens.radius", contact_radius="80 um", at_force="1 mN")
+    assert wide.value == pytest.approx(4 * system.reduced_modulus * 80e-6**3 / 3e-3, rel=1e-6)
+    adhesive = system.replace({"adhesion.work": WORK})
+    pulled = fakir.design(adhesive, "adhesion.work", pull_off="0.5 mN", at_indentation="2 um")
+    assert pulled.value == pytest.approx(0.5e-3 / (1.5 * math.pi * RADIUS), rel=1e-6)
+    assert pulled.cycle.pull_off_force == pytest.approx(-0.5e-3)
+    assert "J/m²" in str(pulled)
+    with pytest.raises(fakir.FakirError, match="flat surface"):
+        fakir.design(system, "lens.radius", critical_force="1 mN")
 
 
 def test_a_cycle_is_that_of_johnson_kendall_and_roberts():

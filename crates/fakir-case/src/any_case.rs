@@ -5,7 +5,7 @@ use crate::case::Case;
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::flat::FlatCase;
-use crate::key::Key;
+use crate::key::{Key, Setting};
 use crate::support::SurfaceKind;
 use fakir::problem::{Feature, Interactions, Question, Solver};
 
@@ -53,7 +53,10 @@ impl AnyCase {
                 let given = file.given(key).ok().flatten();
                 given.filter(|value| value.is_finite())
             }
-            Self::Flat(_) => None,
+            Self::Flat(case) => match case.setting(key) {
+                Some(Setting::Number(number)) => Some(number),
+                _ => None,
+            },
         }
     }
 

@@ -7,7 +7,7 @@ use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_rate};
 use fakir_case::{CaseError, CaseFile, Key, Kind, read_protocol};
-use fakir_inverse::design::{Wanted, free_key};
+use fakir_inverse::design::{PressedQuantity, Wanted, free_key};
 use fakir_inverse::fit::{
     FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
 };
@@ -870,8 +870,8 @@ pub(crate) enum CitedMethod {
 
 #[derive(Debug, Args)]
 #[command(
-    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "floor_share", "pull_off", "target"]).requires("free"),
-    group = ArgGroup::new("loaded").args(["floor_share", "pull_off"]),
+    group = ArgGroup::new("wanted").args(["critical_force", "critical_contact_radius", "force", "contact_radius", "floor_share", "pull_off", "target"]).requires("free"),
+    group = ArgGroup::new("loaded").args(["floor_share", "pull_off", "force", "contact_radius"]),
     group = ArgGroup::new("at").args(["at_force", "at_indentation"]).requires("loaded")
 )]
 pub(crate) struct Design {
@@ -879,7 +879,7 @@ pub(crate) struct Design {
     pub(crate) case: CaseArguments,
     /// Parameter to determine: pitch, pitch_y, surface_fraction, pattern.top_radius, pattern.pillar.height, pattern.pillar.diameter,
     /// lens.radius, lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
-    /// substrate.base_young_modulus; or heights: the heights of all pillars with rounded tops
+    /// substrate.base_young_modulus, adhesion.work or adhesion.work_receding; or heights: the heights of all pillars with rounded tops
     #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
     free: Option<Free>,
     /// Target critical force (N, mN, uN, nN)
@@ -888,6 +888,12 @@ pub(crate) struct Design {
     /// Target critical contact radius (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     critical_contact_radius: Option<f64>,
+    /// Target force of the contact at --at-indentation (N, mN, uN, nN)
+    #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true, requires = "at_indentation")]
+    force: Option<f64>,
+    /// Target contact radius at --at-force or --at-indentation (m, mm, um, nm)
+    #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true, requires = "at")]
+    contact_radius: Option<f64>,
     /// Target pull-off force after the critical state, or after the contact at --at-force or --at-indentation, for a case with adhesion, as a
     /// positive number (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
@@ -895,10 +901,10 @@ pub(crate) struct Design {
     /// Target fraction of the load carried by the floor, past the transition: 0.2 or 20%
     #[arg(long, value_name = "SHARE", value_parser = fraction, allow_hyphen_values = true, requires = "at")]
     floor_share: Option<f64>,
-    /// Force at which the floor share is specified, or from which the lens is pulled off (N, mN, uN, nN)
+    /// Force at which the floor share or the contact radius is specified, or from which the lens is pulled off (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
     at_force: Option<f64>,
-    /// Indentation at which the floor share is specified, or from which the lens is pulled off (m, mm, um, nm)
+    /// Indentation at which the floor share, the force or the contact radius is specified, or from which the lens is pulled off (m, mm, um, nm)
     #[arg(long, value_name = "LENGTH", value_parser = length, allow_hyphen_values = true)]
     at_indentation: Option<f64>,
     /// Target curve, with --free heights: a CSV file with a heading such as force_mN,area_um2
@@ -931,17 +937,28 @@ pub(crate) struct Design {
 impl Design {
     /// The free parameter and the target.
     pub(crate) fn question(&self) -> Result<Option<(Key, Wanted)>, Failure> {
+        let load = Load::given(self.at_indentation, self.at_force);
+        let pressed = |value: Option<f64>, quantity| {
+            let (value, load) = value.zip(load)?;
+            Some(Wanted::Pressed {
+                quantity,
+                value,
+                load,
+            })
+        };
         let wanted = self
             .critical_force
             .map(Wanted::Force)
             .or(self.critical_contact_radius.map(Wanted::ContactRadius))
             .or(self.pull_off.map(|force| Wanted::PullOff {
                 force,
-                load: Load::given(self.at_indentation, self.at_force).unwrap_or(Load::FloorContact),
+                load: load.unwrap_or(Load::FloorContact),
             }))
+            .or(pressed(self.force, PressedQuantity::Force))
+            .or(pressed(self.contact_radius, PressedQuantity::ContactRadius))
             .or(self
                 .floor_share
-                .zip(Load::given(self.at_indentation, self.at_force))
+                .zip(load)
                 .map(|(share, load)| Wanted::FloorShare { share, load }));
         let free = match self.free {
             Some(Free::Heights) => {
@@ -954,7 +971,7 @@ impl Design {
         };
         if free.is_none() && self.sampling().is_none() {
             return Err(Failure::Argument(
-                "nothing to do: give --free and --critical-force, --pull-off or --floor-share for a design, or \
+                "nothing to do: give --free and --critical-force, --force, --pull-off or --floor-share for a design, or \
                  --tolerance or --samples for a spread"
                     .to_owned(),
             ));

@@ -15,6 +15,9 @@
 //! On a height map every contact is solved again on its cells, on which it changes in small steps. The target is met to within the estimated error of the
 //! cells, which [`Answer::error`] converts into that of the value; the range ends where a contact cannot be solved.
 //!
+//! The force at an indentation, or the contact radius under a load, is searched in the same way, on every surface; on a flat surface, which has no critical
+//! state, these and the pull-off force are the targets.
+//!
 //! A pull-off force requires a whole cycle up to the critical state or a given load, with adhesive tops and the spectral method. There is no
 //! initial estimate, and the range ends where a cycle has too many pillars. The target is met to within the numerical error of the
 //! force, because fronts on pillars that have partly detached move in steps.
@@ -23,8 +26,8 @@ use fakir::numerics::convergence::{clamped, larger, within};
 use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens, SurfaceSystem};
 use fakir::state::{
-    AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FloorContact,
-    Run, Solution, SolveError, SurfaceContact, SurfaceTransition,
+    AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FlatContact,
+    FlatCycle, FloorContact, Run, Solution, SolveError, SurfaceContact, SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{AnyCase, CaseError, CaseFile, Key, SurfaceKind};
@@ -40,6 +43,15 @@ pub enum Wanted {
     Force(f64),
     /// Critical contact radius `a_c`, m.
     ContactRadius(f64),
+    /// Force of the contact under a load, or its contact radius.
+    Pressed {
+        /// The number of the contact.
+        quantity: PressedQuantity,
+        /// Its value, N or m.
+        value: f64,
+        /// Load at which it applies.
+        load: Load,
+    },
     /// Floor share: fraction of the load carried by the floor.
     FloorShare {
         /// Floor share, more than 0 and less than 1.
@@ -56,6 +68,15 @@ pub enum Wanted {
     },
 }
 
+/// A number of a contact under a load.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PressedQuantity {
+    /// Force, N.
+    Force,
+    /// Contact radius, m.
+    ContactRadius,
+}
+
 impl Wanted {
     /// Value: N, m, or a fraction of the load.
     #[must_use]
@@ -63,6 +84,7 @@ impl Wanted {
         match self {
             Self::Force(value)
             | Self::ContactRadius(value)
+            | Self::Pressed { value, .. }
             | Self::PullOff { force: value, .. }
             | Self::FloorShare { share: value, .. } => value,
         }
@@ -72,12 +94,20 @@ impl Wanted {
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
         match self {
-            Self::Force(_) => reached.force(),
+            Self::Force(_)
+            | Self::Pressed {
+                quantity: PressedQuantity::Force,
+                ..
+            } => reached.force(),
             Self::PullOff { .. } => match reached.pull_off() {
                 Some(PulledOff { force, .. }) => -force,
                 None => reached.force(),
             },
-            Self::ContactRadius(_) => reached.contact_radius(),
+            Self::ContactRadius(_)
+            | Self::Pressed {
+                quantity: PressedQuantity::ContactRadius,
+                ..
+            } => reached.contact_radius(),
             Self::FloorShare { .. } => reached.floor_share().map_or(0.0, |[share, _]| share),
         }
     }
@@ -86,8 +116,17 @@ impl Wanted {
     #[must_use]
     pub fn dimension(self) -> Dimension {
         match self {
-            Self::Force(_) | Self::PullOff { .. } => Dimension::Force,
-            Self::ContactRadius(_) => Dimension::Length,
+            Self::Force(_)
+            | Self::PullOff { .. }
+            | Self::Pressed {
+                quantity: PressedQuantity::Force,
+                ..
+            } => Dimension::Force,
+            Self::ContactRadius(_)
+            | Self::Pressed {
+                quantity: PressedQuantity::ContactRadius,
+                ..
+            } => Dimension::Length,
             Self::FloorShare { .. } => Dimension::Fraction,
         }
     }
@@ -97,7 +136,9 @@ impl Wanted {
     #[must_use]
     pub fn load_words(self) -> String {
         match self {
-            Self::FloorShare { load, .. } => format!(" in the {}", control_words(load)),
+            Self::FloorShare { load, .. } | Self::Pressed { load, .. } => {
+                format!(" in the {}", control_words(load))
+            }
             Self::PullOff { .. } => self.load().map_or_else(String::new, |load| {
                 format!(" after the {}", control_words(load))
             }),
@@ -109,10 +150,21 @@ impl Wanted {
     #[must_use]
     pub fn load(self) -> Option<Load> {
         match self {
-            Self::FloorShare { load, .. } | Self::PullOff { load, .. } => {
-                (load != Load::FloorContact).then_some(load)
-            }
+            Self::FloorShare { load, .. }
+            | Self::PullOff { load, .. }
+            | Self::Pressed { load, .. } => (load != Load::FloorContact).then_some(load),
             Self::Force(_) | Self::ContactRadius(_) => None,
+        }
+    }
+
+    /// The loads at which it can be a target.
+    fn loads(self) -> &'static str {
+        match self {
+            Self::Pressed {
+                quantity: PressedQuantity::Force,
+                ..
+            } => "an indentation",
+            _ => "a force or an indentation",
         }
     }
 
@@ -120,7 +172,9 @@ impl Wanted {
     fn questions(self) -> &'static [Question] {
         match self {
             Self::FloorShare { .. } => &[Question::FloorShare, Question::Design],
-            Self::PullOff { .. } if self.load().is_some() => &[Question::Design],
+            Self::PullOff { .. } | Self::Pressed { .. } if self.load().is_some() => {
+                &[Question::Design]
+            }
             _ => &[Question::Transition, Question::Design],
         }
     }
@@ -143,7 +197,8 @@ impl Wanted {
 
     /// Deviation of a contact from the target: zero if it is met, positive if the value is too large.
     fn excess(self, reached: &Reached) -> f64 {
-        let ratio = self.of(reached) / self.value();
+        // A force may be tensile with adhesion: too small.
+        let ratio = larger(self.of(reached) / self.value(), 0.0);
         if !self.is_share() {
             return ratio.ln();
         }
@@ -166,11 +221,13 @@ impl Wanted {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
                 slope * error
             }
-            (Self::Force(_), _) => reached.errors_of_cells().map_or(0.0, |[force, _]| force),
-            (Self::ContactRadius(_), _) => {
-                reached.errors_of_cells().map_or(0.0, |[_, radius]| radius)
+            (Self::FloorShare { .. } | Self::PullOff { .. }, _) => 0.0,
+            (Self::Force(_) | Self::ContactRadius(_) | Self::Pressed { .. }, _) => {
+                let place = usize::from(self.dimension() == Dimension::Length);
+                reached
+                    .errors_of_cells()
+                    .map_or(0.0, |errors| errors[place])
             }
-            _ => 0.0,
         }
     }
 
@@ -180,6 +237,14 @@ impl Wanted {
         match self {
             Self::Force(_) => "critical force",
             Self::ContactRadius(_) => "critical contact radius",
+            Self::Pressed {
+                quantity: PressedQuantity::Force,
+                ..
+            } => "force",
+            Self::Pressed {
+                quantity: PressedQuantity::ContactRadius,
+                ..
+            } => "contact radius",
             Self::FloorShare { .. } => "floor share",
             Self::PullOff { .. } => "pull-off force",
         }
@@ -191,20 +256,24 @@ impl Wanted {
 pub enum Reached {
     /// The critical state.
     Critical(CriticalState),
-    /// The contact under the load of a target floor share.
+    /// The contact under the load of a target.
     Pressed(ContactState),
     /// The cycle of a target pull-off force.
     PulledOff(Box<Cycle>),
     /// The critical state of rounded tops.
     CriticalOfTops(Box<Critical<AsperityContact>>),
-    /// The contact with rounded tops under the load of a target floor share.
+    /// The contact with rounded tops under the load of a target.
     PressedTops(Box<AsperityContact>),
     /// The cycle of rounded tops of a target pull-off force.
     PulledOffTops(Box<AsperityCycle>),
     /// The critical state on a height map.
     CriticalOnMap(Box<Answered<SurfaceTransition>>),
-    /// The contact with a height map under the load of a target floor share.
+    /// The contact with a height map under the load of a target.
     PressedOnMap(Box<Answered<SurfaceContact>>),
+    /// The contact with a flat surface under the load of a target.
+    PressedFlat(Box<FlatContact>),
+    /// The cycle on a flat surface of a target pull-off force.
+    PulledOffFlat(Box<FlatCycle>),
 }
 
 /// Pull-off of a cycle.
@@ -228,7 +297,9 @@ impl Reached {
             | Self::PressedTops(_)
             | Self::PulledOffTops(_)
             | Self::CriticalOnMap(_)
-            | Self::PressedOnMap(_) => None,
+            | Self::PressedOnMap(_)
+            | Self::PressedFlat(_)
+            | Self::PulledOffFlat(_) => None,
         }
     }
 
@@ -273,7 +344,15 @@ impl Reached {
             Self::PulledOffTops(cycle) => cycle.turn.force,
             Self::CriticalOnMap(critical) => critical.answer.contact.force,
             Self::PressedOnMap(contact) => contact.answer.force,
+            Self::PressedFlat(contact) => contact.force,
+            Self::PulledOffFlat(cycle) => cycle.turn.force,
         }
+    }
+
+    /// Whether the lens touches the floor before any pillar: the contact has no force. A flat surface has no floor.
+    fn is_floor_first(&self) -> bool {
+        let is_flat = matches!(self, Self::PressedFlat(_) | Self::PulledOffFlat(_));
+        !is_flat && self.force().abs() <= 0.0
     }
 
     /// Its contact radius, m, which contains the floor contact of a critical state.
@@ -292,6 +371,8 @@ impl Reached {
                 larger(radius, x.hypot(y))
             }
             Self::PressedOnMap(contact) => contact.answer.contact_radius.unwrap_or(0.0),
+            Self::PressedFlat(contact) => contact.contact_radius,
+            Self::PulledOffFlat(cycle) => cycle.turn.contact_radius,
         }
     }
 
@@ -307,6 +388,11 @@ impl Reached {
                 cycle.pull_off.as_ref().map(|contact| contact.force),
                 cycle.errors.pull_off_force,
             ),
+            Self::PulledOffFlat(cycle) => {
+                let pull_off = cycle.pull_off.as_ref();
+                let error = pull_off.map_or(0.0, |contact| contact.error.force);
+                (pull_off.map(|contact| contact.force), error)
+            }
             _ => return None,
         };
         Some(PulledOff {
@@ -354,6 +440,8 @@ impl Reached {
             Self::PulledOffTops(cycle) => cycle.as_ref(),
             Self::CriticalOnMap(critical) => &critical.answer.contact,
             Self::PressedOnMap(contact) => &contact.answer,
+            Self::PressedFlat(contact) => contact.as_ref(),
+            Self::PulledOffFlat(cycle) => cycle.as_ref(),
         }
     }
 
@@ -484,8 +572,12 @@ impl Answer {
         let share = candidate.reached.floor_share();
         let of_cells = candidate.reached.errors_of_cells();
         let digits = match self.wanted {
-            Wanted::Force(_) => of_cells.map_or(DIGITS, |[force, _]| digits(force)),
-            Wanted::ContactRadius(_) => of_cells.map_or(LENGTH_DIGITS, |it| digits(it[1])),
+            Wanted::Force(_) | Wanted::ContactRadius(_) | Wanted::Pressed { .. } => {
+                match self.wanted.dimension() {
+                    Dimension::Length => of_cells.map_or(LENGTH_DIGITS, |it| digits(it[1])),
+                    _ => of_cells.map_or(DIGITS, |it| digits(it[0])),
+                }
+            }
             Wanted::PullOff { .. } => {
                 let pull_off = candidate.reached.pull_off();
                 pull_off.map_or(1, |pull_off| digits(pull_off.error))
@@ -504,13 +596,9 @@ impl Answer {
         match self.wanted {
             Wanted::Force(force) => with_unit(force, dimension, DIGITS),
             Wanted::ContactRadius(radius) => with_unit(radius, dimension, LENGTH_DIGITS),
-            Wanted::PullOff { force, .. } => {
+            Wanted::PullOff { .. } | Wanted::FloorShare { .. } | Wanted::Pressed { .. } => {
                 let load = self.wanted.load_words();
-                format!("{}{load}", format_quantity(force, dimension))
-            }
-            Wanted::FloorShare { share, .. } => {
-                let load = self.wanted.load_words();
-                format!("{}{load}", format_quantity(share, dimension))
+                format!("{}{load}", format_quantity(self.wanted.value(), dimension))
             }
         }
     }
@@ -601,11 +689,11 @@ pub enum DesignError {
     #[error("the target floor share must be greater than 0 and less than 1 (100 %): it is {0}")]
     NotAShare(f64),
     /// A floor share without a valid load.
-    #[error("{} needs a load: give a force or an indentation greater than 0", .0.name())]
+    #[error("{} needs a load: give {} greater than 0", .0.name(), .0.loads())]
     NotALoad(Wanted),
     /// A pull-off force without adhesion.
     #[error(
-        "a pull-off force needs adhesive pillar tops: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
+        "a pull-off force needs adhesion: give adhesion.work in the case, as in adhesion.work = \"50 mJ/m2\""
     )]
     NoAdhesion,
     /// Too many pillars in contact for an initial cycle.
@@ -626,14 +714,20 @@ pub enum DesignError {
     },
 }
 
-/// Keys that can be free: all sizes and moduli of a case, but not works of adhesion.
+/// Keys that can be free: all sizes, moduli and works of adhesion of a case.
 #[must_use]
 pub fn free_keys() -> Vec<Key> {
     let keys = Key::ALL.into_iter();
     let is_made = |key: &Key| {
-        let dimension = key.dimension();
-        let is_made = ![Dimension::EnergyPerArea, Dimension::Angle].contains(&dimension);
-        is_made && (key.is_positive() || *key == Key::HeightUnit) && !NUMERICAL.contains(key)
+        // Their bounds contain zero, without adhesion or relief.
+        let from_zero = [
+            Key::HeightUnit,
+            Key::WorkOfAdhesion,
+            Key::RecedingWorkOfAdhesion,
+        ]
+        .contains(key);
+        let is_made = key.dimension() != Dimension::Angle;
+        is_made && (key.is_positive() || from_zero) && !NUMERICAL.contains(key)
     };
     keys.filter(is_made).collect()
 }
@@ -727,7 +821,20 @@ pub fn design(
         return Err(DesignError::NotPositive(wanted));
     }
     match wanted.load() {
-        None if wanted.is_share() => return Err(DesignError::NotALoad(wanted)),
+        Some(Load::Force(_))
+            if matches!(
+                wanted,
+                Wanted::Pressed {
+                    quantity: PressedQuantity::Force,
+                    ..
+                }
+            ) =>
+        {
+            return Err(DesignError::NotALoad(wanted));
+        }
+        None if wanted.is_share() || matches!(wanted, Wanted::Pressed { .. }) => {
+            return Err(DesignError::NotALoad(wanted));
+        }
         Some(Load::Force(size) | Load::Indentation(size)) if !(size > 0.0 && size.is_finite()) => {
             return Err(DesignError::NotALoad(wanted));
         }
@@ -738,8 +845,8 @@ pub fn design(
     let case = begin.any_case(wanted.questions())?;
     if is_on_map {
         let indenter = begin.surface_case(run.memory_limit())?;
-        if indenter.system.indenter().lens().is_none() && matches!(wanted, Wanted::ContactRadius(_))
-        {
+        let is_plate = indenter.system.indenter().lens().is_none();
+        if is_plate && wanted.dimension() == Dimension::Length {
             return Err(DesignError::NoRadius);
         }
     }
@@ -813,7 +920,7 @@ fn with(file: &CaseFile, key: Key, value: f64) -> Result<AnyCase, CaseError> {
 fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     let case = file.any_case(&[]);
     let given = case.as_ref().ok().and_then(|case| case.number(free));
-    if let Some(value) = given {
+    if let Some(value) = given.filter(|value| *value > 0.0) {
         return Ok(value);
     }
     if matches!(case, Ok(AnyCase::HeightMap(_))) {
@@ -822,6 +929,9 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
     if let (Ok(case), Key::SubstrateThickness | Key::LensThickness) = (&case, free) {
         // A half-space is thicker than the lens is wide.
         return Ok(widest(case));
+    }
+    if free.dimension() == Dimension::EnergyPerArea {
+        return Ok(USUAL_WORK);
     }
     // Only the free key may be missing.
     let guess = GUESSES
@@ -836,6 +946,9 @@ fn first_value(file: &CaseFile, free: Key) -> Result<f64, DesignError> {
         }
     }
 }
+
+/// Work of adhesion between a rubber and a smooth solid, J/m^2.
+const USUAL_WORK: f64 = 0.05;
 
 /// Values, in SI units; at least one is within the range of each quantity of a pattern.
 const GUESSES: [f64; 9] = [1e6, 0.1, 1e-3, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 1e-7];
@@ -859,9 +972,9 @@ fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
         _ => FARTHEST,
     };
     let least = match least {
-        Bound::Included(least) => least,
+        Bound::Included(least) if least > 0.0 => least,
         Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
-        Bound::Excluded(_) | Bound::Unbounded => first / farthest,
+        Bound::Included(_) | Bound::Excluded(_) | Bound::Unbounded => first / farthest,
     };
     let greatest = match greatest {
         Bound::Included(greatest) => greatest,
@@ -873,6 +986,17 @@ fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
     match free {
         Key::SubstrateThickness | Key::LensThickness => {
             [least, greatest.min(THICKEST * widest).max(first)]
+        }
+        // The receding work is at least the other.
+        Key::WorkOfAdhesion => {
+            let receding = case
+                .number(Key::RecedingWorkOfAdhesion)
+                .filter(|work| *work > 0.0);
+            [least, greatest.min(receding.unwrap_or(f64::INFINITY))]
+        }
+        Key::RecedingWorkOfAdhesion => {
+            let work = case.number(Key::WorkOfAdhesion).unwrap_or(0.0);
+            [least.max(work), greatest]
         }
         Key::Pitch | Key::PillarDiameter => [least, greatest.min(widest.max(first))],
         Key::SurfaceFraction => {
@@ -896,7 +1020,15 @@ fn widest(case: &AnyCase) -> f64 {
             let widest = lens.map_or(f64::INFINITY, ShapedLens::widest);
             (widest, pitch.unwrap_or(2.0 * case.height))
         }
-        AnyCase::HeightMap(_) | AnyCase::Flat(_) => (f64::INFINITY, f64::INFINITY),
+        AnyCase::HeightMap(_) => (f64::INFINITY, f64::INFINITY),
+        AnyCase::Flat(flat) => {
+            let radius = case.number(Key::LensRadius);
+            let lens = flat.system.lens().map_or(f64::INFINITY, ShapedLens::widest);
+            (
+                radius.map_or(lens, |radius| radius.min(lens)),
+                f64::INFINITY,
+            )
+        }
     };
     widest.min(LARGEST_PITCHES * pitch)
 }
@@ -948,7 +1080,7 @@ impl Trial {
     fn limit(&self) -> Limit {
         match &self.outcome {
             Err(limit) => limit.clone(),
-            Ok(candidate) if candidate.reached.force() <= 0.0 => Limit::FloorFirst,
+            Ok(candidate) if candidate.reached.is_floor_first() => Limit::FloorFirst,
             Ok(_) => Limit::Range,
         }
     }
@@ -1051,6 +1183,7 @@ impl Search<'_> {
                 | SolveError::PatternTooDense { .. }
                 | SolveError::ContactsMerge { .. }
                 | SolveError::TouchedAtRim { .. }
+                | SolveError::LayerTooThin { .. }
                 | SolveError::FloorCovered),
             )) => Err(Limit::Solver(error)),
             // Memory for the grid on the floor of wide lattices.
@@ -1103,11 +1236,18 @@ impl Search<'_> {
                 })?;
                 Reached::PressedOnMap(Box::new(answered))
             }
+            (AnyCase::HeightMap(file), Wanted::Pressed { load, .. }) => {
+                let answered = self.on_map(file, |system| system.press(load, self.run))?;
+                Reached::PressedOnMap(Box::new(answered))
+            }
             (AnyCase::HeightMap(file), _) => {
                 let answered = self.on_map(file, |system| system.transition(self.run))?;
                 Reached::CriticalOnMap(Box::new(answered))
             }
-            (AnyCase::Pillars(case), Wanted::FloorShare { load, .. }) => {
+            (
+                AnyCase::Pillars(case),
+                Wanted::FloorShare { load, .. } | Wanted::Pressed { load, .. },
+            ) => {
                 let contact = fakir::press(&case.system, load, case.method, self.run)?;
                 Reached::Pressed(contact)
             }
@@ -1127,11 +1267,20 @@ impl Search<'_> {
                 let critical = case.field.transition(case.accuracy, self.run)?;
                 Reached::CriticalOfTops(Box::new(critical))
             }
-            (AnyCase::Asperities(case), Wanted::FloorShare { load, .. }) => {
+            (
+                AnyCase::Asperities(case),
+                Wanted::FloorShare { load, .. } | Wanted::Pressed { load, .. },
+            ) => {
                 let contact = case.field.press(load, case.accuracy, self.run)?;
                 Reached::PressedTops(Box::new(contact))
             }
-            // Flat surfaces are refused before.
+            (AnyCase::Flat(case), Wanted::Pressed { load, .. }) => {
+                Reached::PressedFlat(Box::new(case.system.press(load, self.run)?))
+            }
+            (AnyCase::Flat(case), Wanted::PullOff { load, .. }) => {
+                Reached::PulledOffFlat(Box::new(case.system.cycle(&plan(load), self.run)?))
+            }
+            // A flat surface has no critical state and no floor, and these targets are refused before.
             (AnyCase::Flat(_), _) => return Err(SolveError::NoFloor.into()),
         })
     }
@@ -1458,10 +1607,13 @@ mod tests {
                 file.set_number(Key::Pitch, case.system.pitch());
                 file
             };
-            for free in free_keys()
-                .into_iter()
-                .filter(|key| !key.is_of_layers() && !key.is_of_surface() && *key != Key::TopRadius)
-            {
+            // The cases have no adhesion, layers or rounded tops.
+            let is_here = |key: &Key| {
+                let is_work = key.dimension() == Dimension::EnergyPerArea;
+                let is_other = key.is_of_layers() || key.is_of_surface() || is_work;
+                !is_other && *key != Key::TopRadius
+            };
+            for free in free_keys().into_iter().filter(is_here) {
                 let file = match free {
                     Key::SurfaceFraction => paper(surface_fraction),
                     Key::PitchY => rectangular(surface_fraction),
@@ -1900,6 +2052,8 @@ mod tests {
                 "pattern.top_radius",
                 "pattern.pillar.diameter",
                 "pattern.pillar.height",
+                "adhesion.work",
+                "adhesion.work_receding",
                 "surface.height_unit",
                 "surface.height_range",
                 "surface.cell_size",
@@ -1926,6 +2080,10 @@ mod tests {
                 layered.set(&format!("{body}.{given}")).unwrap();
             }
         }
+        let mut adhesive = paper(0.1);
+        for given in ["adhesion.work=50mJ/m2", "adhesion.work_receding=80mJ/m2"] {
+            adhesive.set(given).unwrap();
+        }
         for free in free_keys() {
             let (file, case) = match free {
                 // It makes the tops round.
@@ -1933,6 +2091,9 @@ mod tests {
                 // Other surfaces.
                 _ if free.is_of_surface() => continue,
                 Key::PitchY => (rectangular(0.1), rectangular(0.1).case().unwrap()),
+                Key::WorkOfAdhesion | Key::RecedingWorkOfAdhesion => {
+                    (adhesive.clone(), adhesive.case().unwrap())
+                }
                 _ if free.is_of_layers() => (layered.clone(), layered.case().unwrap()),
                 _ => (file.clone(), case.clone()),
             };

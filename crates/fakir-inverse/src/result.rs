@@ -1,15 +1,15 @@
 //! Design and spread as one JSON object.
 
-use crate::design::{Answer, Design, Reached, Wanted};
+use crate::design::{Answer, Design, PressedQuantity, Reached, Wanted};
 use crate::pillar_heights::PillarHeights;
 use crate::spread::{Critical, PullOff, Sampling, Spread, Summary};
 use fakir::problem::Load;
 use fakir_case::AnyCase;
 use fakir_study::VERSION;
-use fakir_study::record::{AsperityAnswer, AsperityCritical, Object, SurfaceAnswer};
+use fakir_study::record::{AsperityAnswer, AsperityCritical, FlatAnswer, Object, SurfaceAnswer};
 use fakir_study::result::{
-    CycleSummary, asperity_cycle, asperity_press, asperity_transition, press, surface_press,
-    surface_transition, transition,
+    CycleSummary, asperity_cycle, asperity_press, asperity_transition, flat_cycle, flat_press,
+    press, surface_press, surface_transition, transition,
 };
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -74,7 +74,7 @@ struct AnswerObject {
     reachable_pull_off_force_N: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     critical_state: Option<Object>,
-    /// The contact under the load of a target floor share.
+    /// The contact under the load of a target.
     #[serde(skip_serializing_if = "Option::is_none")]
     state: Option<Object>,
     /// The cycle of a target pull-off force.
@@ -82,12 +82,12 @@ struct AnswerObject {
     cycle: Option<CycleObject>,
 }
 
-/// A cycle on flat or rounded tops.
+/// A cycle on flat pillar tops, or on another surface.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
 enum CycleObject {
-    Flat(Box<CycleSummary>),
-    Rounded(Object),
+    Pillars(Box<CycleSummary>),
+    Other(Object),
 }
 
 impl AnswerObject {
@@ -102,6 +102,10 @@ impl AnswerObject {
         let wanted = match answer.wanted {
             Wanted::Force(_) => "critical_force_N",
             Wanted::ContactRadius(_) => "critical_contact_radius_m",
+            Wanted::Pressed { quantity, .. } => match quantity {
+                PressedQuantity::Force => "force_N",
+                PressedQuantity::ContactRadius => "contact_radius_m",
+            },
             Wanted::FloorShare { .. } => "floor_share",
             Wanted::PullOff { .. } => "pull_off_force_N",
         };
@@ -126,7 +130,7 @@ impl AnswerObject {
             }
             (Reached::PulledOffTops(pulled), AnyCase::Asperities(case)) => {
                 let object = asperity_cycle(pulled, &case.field, None, wall_time);
-                cycle = Some(CycleObject::Rounded(object));
+                cycle = Some(CycleObject::Other(object));
             }
             // Rounded tops have a case of rounded tops.
             (
@@ -151,9 +155,19 @@ impl AnswerObject {
                 };
                 state = Some(surface_press(&contact, wall_time));
             }
+            (Reached::PressedFlat(contact), AnyCase::Flat(case)) => {
+                let system = &case.system;
+                state = Some(flat_press(&FlatAnswer { system, contact }, None, wall_time));
+            }
+            (Reached::PulledOffFlat(pulled), AnyCase::Flat(case)) => {
+                let object = flat_cycle(pulled, &case.system, None, wall_time);
+                cycle = Some(CycleObject::Other(object));
+            }
+            // A flat surface has a case of one.
+            (Reached::PressedFlat(_) | Reached::PulledOffFlat(_), _) => {}
             (Reached::PulledOff(pulled), _) => {
                 let summary = CycleSummary::new(pulled, wall_time);
-                cycle = Some(CycleObject::Flat(Box::new(summary)));
+                cycle = Some(CycleObject::Pillars(Box::new(summary)));
             }
         }
         let reach = match answer.design {

@@ -2,7 +2,8 @@
 
 use crate::asperities::{Asperities, AsperityContact, AsperityTransition, cycle_answer};
 use crate::case::Case;
-use crate::error::{design_error, spread_error, value_error, warn_of_former_name};
+use crate::error::{case_error, design_error, spread_error, value_error, warn_of_former_name};
+use crate::flat::{self, Flat};
 use crate::load::{load, load_or_critical};
 use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
@@ -11,7 +12,9 @@ use crate::surface::Surface;
 use crate::watched::{Options, watched};
 use fakir_case::{AnyCase, CaseFile};
 use fakir_inverse::DesignSummary;
-use fakir_inverse::design::{Answer, Candidate, Design, Reached, Wanted, free_key};
+use fakir_inverse::design::{
+    Answer, Candidate, Design, PressedQuantity, Reached, Wanted, free_key,
+};
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::result::json;
@@ -25,16 +28,17 @@ type Designed = (String, Vec<(f64, Py<PyAny>, Py<PyAny>)>);
 /// A value with the force (N) or the indentation (m) at which it applies.
 type Loaded = (f64, Option<f64>, Option<f64>);
 
-/// Target: a critical force (N), a critical contact radius (m), a floor share with a load, or a pull-off force (N) with the load from which
-/// the lens is pulled off, if that is not the critical state.
-type WantedNumbers = (Option<f64>, Option<f64>, Option<Loaded>, Option<Loaded>);
+/// Target: a critical force (N), a critical contact radius (m), or one of these with a load: `"floor_share"`, `"force"` (N) or `"contact_radius"` (m),
+/// or `"pull_off"` (N), from the critical state without a load.
+type WantedNumbers = (Option<f64>, Option<f64>, Option<(String, Loaded)>);
 
-/// Pillars with flat or rounded tops, or a height map.
+/// Pillars with flat or rounded tops, a height map or a flat surface.
 #[derive(FromPyObject)]
 pub(crate) enum Subject<'py> {
     Flat(PyRef<'py, Case>),
     Rounded(PyRef<'py, Asperities>),
     Map(PyRef<'py, Surface>),
+    Plane(PyRef<'py, Flat>),
 }
 
 impl Subject<'_> {
@@ -43,6 +47,7 @@ impl Subject<'_> {
             Self::Flat(case) => case.file(),
             Self::Rounded(tops) => tops.file(),
             Self::Map(surface) => surface.of_file("quantities"),
+            Self::Plane(plane) => Ok(plane.file.clone()),
         }
     }
 
@@ -51,6 +56,7 @@ impl Subject<'_> {
             Self::Flat(case) => AnyCase::Pillars(Box::new(case.case.clone())),
             Self::Rounded(tops) => AnyCase::Asperities(Box::new(tops.case().clone())),
             Self::Map(_) => AnyCase::HeightMap(Box::new(self.file()?)),
+            Self::Plane(plane) => AnyCase::Flat(Box::new(plane.case().clone())),
         })
     }
 }
@@ -65,16 +71,29 @@ pub(crate) fn design(
     options: Options,
 ) -> PyResult<Designed> {
     let wanted = match wanted {
-        (Some(force), None, None, None) => Wanted::Force(force),
-        (None, Some(radius), None, None) => Wanted::ContactRadius(radius),
-        (None, None, None, Some((force, at_force, at_indentation))) => Wanted::PullOff {
-            force,
-            load: load_or_critical(at_indentation, at_force),
-        },
-        (None, None, Some((share, force, indentation)), None) => Wanted::FloorShare {
-            share,
-            load: load(indentation, force)?,
-        },
+        (Some(force), None, None) => Wanted::Force(force),
+        (None, Some(radius), None) => Wanted::ContactRadius(radius),
+        (None, None, Some((name, (value, force, indentation)))) => {
+            let pressed = |quantity| {
+                Ok::<_, PyErr>(Wanted::Pressed {
+                    quantity,
+                    value,
+                    load: load(indentation, force)?,
+                })
+            };
+            match name.as_str() {
+                "force" => pressed(PressedQuantity::Force)?,
+                "contact_radius" => pressed(PressedQuantity::ContactRadius)?,
+                "floor_share" => Wanted::FloorShare {
+                    share: value,
+                    load: load(indentation, force)?,
+                },
+                _ => Wanted::PullOff {
+                    force: value,
+                    load: load_or_critical(indentation, force),
+                },
+            }
+        }
         _ => return Err(value_error("give exactly one target")),
     };
     warn_of_former_name(py, free)?;
@@ -153,7 +172,21 @@ pub(crate) fn design(
                 };
                 (Py::new(py, surface)?.into_any(), contact)
             }
-            _ => return Err(of_tops()),
+            (AnyCase::Flat(case), reached) => {
+                let file = CaseFile::parse("case.toml", &case.to_toml());
+                let plane = Flat::of(file.map_err(|error| case_error(&error))?, &[])?;
+                let contact = match reached {
+                    Reached::PressedFlat(contact) => {
+                        Py::new(py, plane.answer(&contact, wall_time))?.into_any()
+                    }
+                    Reached::PulledOffFlat(cycle) => {
+                        let found = flat::cycle_answer(py, &plane, &cycle, wall_time)?;
+                        found.into_pyobject(py)?.into_any().unbind()
+                    }
+                    _ => return Err(of_tops()),
+                };
+                (Py::new(py, plane)?.into_any(), contact)
+            }
         };
         Ok((candidate.value, found.0, found.1))
     };

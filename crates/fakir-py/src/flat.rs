@@ -111,7 +111,8 @@ impl Flat {
         &self.case
     }
 
-    fn answer(&self, contact: &FlatContact, wall_time: f64) -> Answer {
+    /// A contact of the case.
+    pub(crate) fn answer(&self, contact: &FlatContact, wall_time: f64) -> Answer {
         let answer = FlatAnswer {
             system: &self.case.system,
             contact,
@@ -206,7 +207,7 @@ pub(crate) fn approach_flat(
 }
 
 /// Points of a curve: branch, indentation (m), force (N) and contact radius (m).
-type Curve = Vec<(&'static str, f64, f64, f64)>;
+pub(crate) type Curve = Vec<(&'static str, f64, f64, f64)>;
 
 /// Loading up to an indentation (m) or a force (N), and optional unloading; a stiffness (N/m) is that of the testing machine.
 #[pyfunction]
@@ -223,16 +224,25 @@ pub(crate) fn cycle_flat(
     let plan = plan(to, to_force, drive, machine_stiffness, retract);
     let start = Instant::now();
     let cycle = watched(py, &options, |run| flat.case.system.cycle(&plan, run))?;
-    let cycle: FlatCycle = cycle.map_err(|error| solve_error(&error))?;
-    let wall_time = start.elapsed().as_secs_f64();
+    let cycle = cycle.map_err(|error| solve_error(&error))?;
+    cycle_answer(py, flat, &cycle, start.elapsed().as_secs_f64())
+}
+
+/// A cycle of a case, with the points of its curve.
+pub(crate) fn cycle_answer(
+    py: Python<'_>,
+    flat: &Flat,
+    cycle: &FlatCycle,
+    wall_time: f64,
+) -> PyResult<(Py<Answer>, Curve)> {
     let summary = json(&result::flat_cycle(
-        &cycle,
+        cycle,
         &flat.case.system,
         None,
         wall_time,
     ));
     let (ended, careful) = (cycle.turn.termination, warnings(&cycle.turn));
-    let answer = Py::new(py, Answer::new(&cycle, summary, ended, careful))?;
+    let answer = Py::new(py, Answer::new(cycle, summary, ended, careful))?;
     let point = |step: &fakir::state::FlatLoadStep| {
         let name = step.branch.name();
         (name, step.indentation, step.force, step.contact_radius)

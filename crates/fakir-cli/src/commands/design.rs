@@ -162,6 +162,8 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
         (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
         (Reached::PressedTops(contact), _) => warnings(contact.as_ref()),
         (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
+        (Reached::PressedFlat(contact), _) => warnings(contact.as_ref()),
+        (Reached::PulledOffFlat(cycle), _) => warnings(&cycle.turn),
     }
 }
 
@@ -214,6 +216,14 @@ fn design_text(answer: &Answer, described: &Described) -> String {
         Reached::PulledOffTops(cycle) => {
             let mut rows = QuantityList::default();
             fakir_study::answer::turn_and_pull_off_of_tops(&mut rows, cycle);
+            with_sensitivity(answer, rows)
+        }
+        Reached::PressedFlat(contact) => {
+            with_sensitivity(answer, fakir_study::answer::quantities_of_flat(contact))
+        }
+        Reached::PulledOffFlat(cycle) => {
+            let mut rows = QuantityList::default();
+            fakir_study::answer::turn_and_pull_off_of_flat(&mut rows, cycle);
             with_sensitivity(answer, rows)
         }
     };

@@ -100,7 +100,14 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         (&["cycle", CASE], "give --to or --to-force"),
         (&["theory", CASE], "closed forms"),
         (
-            &["design", CASE, "--free", "pitch", "--critical-force", "1mN"],
+            &[
+                "design",
+                CASE,
+                "--free",
+                "radius",
+                "--critical-force",
+                "1mN",
+            ],
             "flat surface",
         ),
         (
@@ -116,6 +123,39 @@ fn what_a_flat_surface_has_not_is_refused_with_the_reason() {
         );
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
     }
+}
+
+/// `-3/2 pi w R` (K. L. Johnson, K. Kendall, A. D. Roberts, 1971) of the receding work of the case, and Hertz's `R = (3 F/(4 E* zeta^(3/2)))^2`, of which a
+/// sphere differs by the order of `zeta/R`.
+#[test]
+fn a_lens_is_designed() {
+    let arguments = ["design", CASE, "--free", "lens.radius"];
+    let pull = ["--pull-off", "0.5mN", "--at-indentation", "3um"];
+    let design = json(&[&arguments[..], &pull].concat())["design"].clone();
+    assert_eq!(design["status"], "found");
+    let radius = 0.5e-3 / (1.5 * std::f64::consts::PI * 80e-3);
+    assert!((number(&design, "value_m") / radius - 1.0).abs() < 2e-3);
+    assert!((number(&design["cycle"], "pull_off_force_N") / -0.5e-3 - 1.0).abs() < 1e-6);
+    let dry = [
+        "--set",
+        "adhesion.work=0",
+        "--set",
+        "adhesion.work_receding=0",
+    ];
+    let press = ["--force", "1mN", "--at-indentation", "2um"];
+    let all = [&arguments[..], &press, &dry].concat();
+    let design = json(&all)["design"].clone();
+    let radius = (3.0 * 1e-3 / (4.0 * 2e6 / 1.5 * 2e-6_f64.powf(1.5))).powi(2);
+    assert!((number(&design, "value_m") / radius - 1.0).abs() < 2e-3);
+    assert_eq!(number(&design["wanted"], "indentation_m"), 2e-6);
+    assert!((number(&design["state"], "force_N") / 1e-3 - 1.0).abs() < 1e-8);
+    let text = String::from_utf8(fakir(&all).stdout).unwrap();
+    assert!(
+        text.contains("gives a force of 1 mN in the contact at an indentation of 2 um"),
+        "{text}"
+    );
+    let output = fakir(&["design", CASE, "--free", "lens.radius", "--force", "1mN"]);
+    assert_eq!(output.status.code(), Some(2));
 }
 
 /// As of pillars that are not touched.

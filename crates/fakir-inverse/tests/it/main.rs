@@ -7,6 +7,7 @@ mod curves;
 mod films;
 mod fit;
 mod flat;
+mod flat_design;
 mod height_maps;
 mod heights;
 mod map_design;

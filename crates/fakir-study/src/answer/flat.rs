@@ -66,7 +66,12 @@ impl Kind for FlatCase {
         self.to_toml()
     }
 
-    fn check(&self, request: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
+    fn check(
+        &self,
+        request: &Request,
+        details: &Details,
+        run: &Run<'_>,
+    ) -> Result<(), AnswerError> {
         if let Request::Cycle(plan) = request {
             if self.system.adhesion().is_none() {
                 return Err(AnswerError::Refused(
@@ -79,13 +84,13 @@ impl Kind for FlatCase {
                 ));
             }
         }
+        if let (Request::Contact(_), Maps::Points(Some(points))) = (request, details.maps) {
+            FieldMap::check_memory([points; 2], run)?;
+        }
         if details.range.is_some() && self.system.adhesion().is_none() {
             return Err(AnswerError::Refused(
                 "the range of the attraction has no meaning without adhesion: give a work of adhesion",
             ));
-        }
-        if let (Request::Contact(_), Maps::Points(Some(points))) = (request, details.maps) {
-            FieldMap::check_memory([points; 2], run)?;
         }
         Ok(())
     }
@@ -124,52 +129,10 @@ impl Kind for FlatCase {
     }
 
     fn quantities(&self, found: &Reached<FlatContact>) -> QuantityList {
-        let contact = found.contact();
-        let error = contact.error;
-        let mut list = QuantityList::default();
-        list.force_and_indentation([
-            [contact.force, error.force],
-            [contact.indentation, error.indentation],
-        ])
-        .radius(
-            "contact radius",
-            contact.contact_radius,
-            error.contact_radius,
-            String::new(),
-        )
-        .area(
-            "contact area",
-            contact.contact_area,
-            digits(error.contact_radius),
-            "",
-        )
-        .quantity(
-            "mean pressure",
-            contact.mean_pressure(),
-            Dimension::Pressure,
-            LENGTH_DIGITS,
-            String::new(),
-        )
-        .quantity(
-            "pressure on the axis",
-            contact.pressure_on_axis,
-            Dimension::Pressure,
-            LENGTH_DIGITS,
-            String::new(),
-        )
-        .row(
-            "stiffness",
-            significant(contact.stiffness, LENGTH_DIGITS),
-            "N/m",
-            "on loading",
-        );
-        list
+        quantities_of_flat(found.contact())
     }
 
     fn solution(&self, list: &mut QuantityList, contact: &FlatContact, wall_time: f64) {
-        (running.next)("fields");
-        let map = FieldMap::of_flat(&self.system, contact, points, &running.run)?;
-        files.extend(map.files(provenance));
         list.row(
             "solution",
             contact.termination.description().to_owned(),
@@ -204,6 +167,9 @@ impl Kind for FlatCase {
         if contact.contact_radius > 0.0 {
             files.push(csv("pressure.csv", rows));
         }
+        (running.next)("fields");
+        let map = FieldMap::of_flat(&self.system, contact, points, &running.run)?;
+        files.extend(map.files(provenance));
         if let Ok(figure) = flat_pressure(contact, &distances, &pressures) {
             files.extend(saved(figure, provenance));
         }
@@ -211,6 +177,78 @@ impl Kind for FlatCase {
             files,
             warnings: Vec::new(),
         })
+    }
+}
+
+/// The numbers of a contact with a flat surface in a report.
+#[must_use]
+pub fn quantities_of_flat(contact: &FlatContact) -> QuantityList {
+    let error = contact.error;
+    let mut list = QuantityList::default();
+    list.force_and_indentation([
+        [contact.force, error.force],
+        [contact.indentation, error.indentation],
+    ])
+    .radius(
+        "contact radius",
+        contact.contact_radius,
+        error.contact_radius,
+        String::new(),
+    )
+    .area(
+        "contact area",
+        contact.contact_area,
+        digits(error.contact_radius),
+        "",
+    )
+    .quantity(
+        "mean pressure",
+        contact.mean_pressure(),
+        Dimension::Pressure,
+        LENGTH_DIGITS,
+        String::new(),
+    )
+    .quantity(
+        "pressure on the axis",
+        contact.pressure_on_axis,
+        Dimension::Pressure,
+        LENGTH_DIGITS,
+        String::new(),
+    )
+    .row(
+        "stiffness",
+        significant(contact.stiffness, LENGTH_DIGITS),
+        "N/m",
+        "on loading",
+    );
+    list
+}
+
+/// The end of loading and the pull-off of a cycle on a flat surface.
+pub fn turn_and_pull_off_of_flat(list: &mut QuantityList, cycle: &FlatCycle) {
+    list.state(
+        "loaded up to a force of",
+        [cycle.turn.force, cycle.turn.error.force],
+        cycle.turn.indentation,
+        remark(cycle.turn.error.force),
+    )
+    .length(
+        "  with a contact radius of",
+        cycle.turn.contact_radius,
+        String::new(),
+    );
+    if let Some(pull_off) = &cycle.pull_off {
+        list.state(
+            "pull-off force",
+            [pull_off.force, pull_off.error.force],
+            pull_off.indentation,
+            remark(pull_off.error.force),
+        )
+        .length(
+            "  with a contact radius of",
+            pull_off.contact_radius,
+            String::new(),
+        );
     }
 }
 
@@ -274,31 +312,8 @@ impl Found<FlatCase> for FlatCycle {
             "  with a contact radius of",
             self.jump.contact_radius,
             String::new(),
-        )
-        .state(
-            "loaded up to a force of",
-            [self.turn.force, self.turn.error.force],
-            self.turn.indentation,
-            remark(self.turn.error.force),
-        )
-        .length(
-            "  with a contact radius of",
-            self.turn.contact_radius,
-            String::new(),
         );
-        if let Some(pull_off) = &self.pull_off {
-            list.state(
-                "pull-off force",
-                [pull_off.force, pull_off.error.force],
-                pull_off.indentation,
-                remark(pull_off.error.force),
-            )
-            .length(
-                "  with a contact radius of",
-                pull_off.contact_radius,
-                String::new(),
-            );
-        }
+        turn_and_pull_off_of_flat(&mut list, self);
         if let Some(indentation) = self.separation {
             list.length("detachment", indentation, String::new());
         }

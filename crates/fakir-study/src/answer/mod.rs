@@ -29,6 +29,7 @@ mod surface_cycle;
 
 pub use asperities::{quantities_of_tops, turn_and_pull_off_of_tops};
 pub use cycle::turn_and_pull_off;
+pub use flat::{quantities_of_flat, turn_and_pull_off_of_flat};
 pub use height_map::load_and_shares;
 pub use request::{AnswerError, Details, Maps, Request, Running};
 

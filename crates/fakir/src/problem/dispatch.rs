@@ -608,13 +608,6 @@ static RULES: &[Rule] = &[
         "a flat surface has no floor between pillars and no pillars",
         "prescribe an indentation or a force, or describe the pillars",
     )),
-    rule(
-        &[Question::Design],
-        FLAT,
-        &[],
-        "a flat surface has nothing to design but the lens, for which closed forms can be solved",
-        "use `sweep` with the quantity as an axis",
-    ),
     meaningless(rule(
         &[Question::Theory, Question::Compare],
         FLAT,
