@@ -386,7 +386,7 @@ pub(crate) fn cycle_surface(
         system: &surface.system,
         answer: &cycle,
     };
-    let summary = json(&result::surface_cycle(&answer, wall_time));
+    let summary = json(&result::surface_cycle(&answer, None, wall_time));
     let careful = result::surface_cycle_warnings(&cycle);
     let answer = Answer::new(&answer, summary, cycle.termination, careful);
     let point = |step: &fakir::state::SurfaceLoadStep| {

@@ -680,11 +680,6 @@ fn adhesion_is_refused_where_it_is_not_supported() {
             "the edges of an adhesive contact",
         ),
         ("cycle", &["--drive", "force"], "controls the indentation"),
-        (
-            "press",
-            &[&load[..], &["--attraction-range", "5nm"]].concat(),
-            "summits",
-        ),
     ] {
         let key = ["--set", "adhesion.work=20mJ/m2"];
         let output = fakir(command, &case, &[arguments, &key].concat());
@@ -693,6 +688,68 @@ fn adhesion_is_refused_where_it_is_not_supported() {
         assert!(output.stdout.is_empty());
         assert!(message.contains(words), "{message}");
     }
+}
+
+/// A spherical bump under a lens: `(R w^2/E*^2)^(1/3)/h_0` with `1/R = 1/R_1 + 1/R_2`, in the report of a contact and of a cycle; on square pillars the number
+/// of a punch of their area, `(8 w a/(pi E*))^(1/2)/h_0`; and none without adhesion.
+#[test]
+fn an_attraction_range_gives_the_tabor_number_of_the_summits() {
+    let folder = tempfile::tempdir().unwrap();
+    let cells = 41;
+    let bump = 0.1e-3;
+    let height = |k: i32| {
+        let [x, y] = [k % cells - cells / 2, k / cells - cells / 2];
+        -f64::from(x * x + y * y) * 1e-12 / (2.0 * bump)
+    };
+    let rows = (0..cells).map(|row| {
+        let row = (0..cells).map(|column| format!("{:e}", height(row * cells + column)));
+        row.collect::<Vec<_>>().join(" ")
+    });
+    std::fs::write(
+        folder.path().join("bump.txt"),
+        rows.collect::<Vec<_>>().join("\n"),
+    )
+    .unwrap();
+    let case = folder.path().join("bump.toml");
+    let text_of_case = r#"
+        lens = { radius = "0.2 mm", young_modulus = "2 MPa", poisson_ratio = 0.5 }
+        substrate = { young_modulus = "2 MPa", poisson_ratio = 0.5 }
+        adhesion = { work = "20 mJ/m2" }
+        surface = { height_map = "bump.txt", cell_size = "1 um" }
+    "#;
+    std::fs::write(&case, text_of_case).unwrap();
+    let elastic: f64 = 20e-3 * 1.5 / 2e6;
+    let expected = (elastic * elastic / (1.0 / bump + 1.0 / 0.2e-3)).cbrt() / 5e-9;
+    let arguments = ["--indentation", "0.1um", "--attraction-range", "5nm"];
+    let found = json(&run(
+        "press",
+        &case,
+        &[&arguments[..], &["--json"]].concat(),
+    ));
+    let limit = |name: &str| {
+        let limits = found["limits"].as_array().unwrap();
+        let found = limits.iter().find(|limit| limit["name"] == name);
+        found.unwrap_or_else(|| panic!("{name}: {limits:?}"))["value"].as_f64()
+    };
+    let number_of_bump = limit("tabor_number").unwrap();
+    assert!((number_of_bump / expected - 1.0).abs() < 1e-3);
+    assert_eq!(limit("summits_in_contact"), Some(1.0));
+    for (command, end) in [("press", "--indentation"), ("cycle", "--to")] {
+        let arguments = [end, "0.1um", "--attraction-range", "5nm"];
+        let report = text(&run(command, &case, &arguments).stdout);
+        let words = [
+            "Tabor number",
+            "summits in contact",
+            "3 x 3",
+            "0 as narrow as a cell",
+        ];
+        for word in words {
+            assert!(report.contains(word), "{word}: {report}");
+        }
+    }
+    let dry = [&arguments[..], &["--set", "adhesion.work=0"]].concat();
+    let refused = run("press", &case, &dry);
+    assert_eq!(refused.status.code(), Some(2));
 }
 
 /// The apex of a cone in a single cell: the difference of the forces on cells of two and four times the size is as large as the force.

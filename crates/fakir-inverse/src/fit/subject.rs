@@ -189,7 +189,7 @@ impl Subject {
             Self::HeightMap(map) => {
                 let solve = |case: &SurfaceCase| {
                     let contact = case.system.press(load, run)?;
-                    Ok(contact.limits(&case.system))
+                    Ok(contact.limits(&case.system, None))
                 };
                 let memory = run.memory_limit();
                 on_wide_enough_a_grid(&map.file, memory, FitError::needed_width, solve)?.answer

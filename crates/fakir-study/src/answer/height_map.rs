@@ -59,8 +59,11 @@ impl Kind for SurfaceCase {
         self.system.interactions()
     }
 
-    fn topics(&self, _: Option<f64>) -> Vec<Topic> {
-        Topic::of_surface(self)
+    fn topics(&self, range: Option<f64>) -> Vec<Topic> {
+        let topics = Topic::of_surface(self).into_iter();
+        topics
+            .chain(range.map(|_| Topic::AttractionRange))
+            .collect()
     }
 
     fn cited_as(&self) -> String {
@@ -77,6 +80,11 @@ impl Kind for SurfaceCase {
         details: &Details,
         run: &Run<'_>,
     ) -> Result<(), AnswerError> {
+        if details.range.is_some() && self.system.adhesion().is_none() {
+            return Err(AnswerError::Refused(
+                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
+            ));
+        }
         if let Request::Cycle(plan) = request {
             return check_cycle(self, plan);
         }
@@ -132,8 +140,8 @@ impl Kind for SurfaceCase {
         }
     }
 
-    fn limits(&self, contact: &SurfaceContact, _: Option<f64>) -> Option<Vec<Limit>> {
-        Some(contact.limits(&self.system))
+    fn limits(&self, contact: &SurfaceContact, range: Option<f64>) -> Option<Vec<Limit>> {
+        Some(contact.limits(&self.system, range))
     }
 
     fn meets(&self, regime: Regime) -> String {

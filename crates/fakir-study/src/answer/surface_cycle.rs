@@ -5,7 +5,7 @@ use super::request::{AnswerError, Running};
 use crate::numbers::{LENGTH_DIGITS, seconds};
 use crate::provenance::Provenance;
 use crate::record::{Record, SurfaceAnswer};
-use crate::report::state::{QuantityList, drive_words, remark};
+use crate::report::state::{QuantityList, drive_words, range_warnings, remark};
 use crate::result::{json, surface_cycle, surface_cycle_warnings};
 use fakir::problem::{CyclePlan, LoadingMode, UnloadingPoint};
 use fakir::state::{Limit, Solution, SurfaceCycle};
@@ -65,7 +65,8 @@ impl Found<SurfaceCase> for SurfaceCycle {
     }
 
     fn json(&self, of: &Context<'_, SurfaceCase>) -> String {
-        json(&surface_cycle(&answer(self, of.case), of.wall_time))
+        let answer = answer(self, of.case);
+        json(&surface_cycle(&answer, of.details.range, of.wall_time))
     }
 
     fn text(&self, of: &Context<'_, SurfaceCase>) -> String {
@@ -78,7 +79,8 @@ impl Found<SurfaceCase> for SurfaceCycle {
         let error = self.errors.map_or(f64::NAN, |errors| errors.loop_area);
         list.works(self.work_of_separation, self.loop_area, error);
         list.interactions(&Record::of(&answer(self, of.case)));
-        list.limits(&self.limits(of));
+        let limits = self.limits(of);
+        list.limits(&limits).summits(&limits);
         list.row(
             "load steps",
             self.load_steps.len().to_string(),
@@ -97,15 +99,17 @@ impl Found<SurfaceCase> for SurfaceCycle {
     }
 
     fn limits(&self, of: &Context<'_, SurfaceCase>) -> Vec<Limit> {
-        self.turn.limits(&of.case.system)
+        self.turn.limits(&of.case.system, of.details.range)
     }
 
     fn warnings(
         &self,
-        _: &Context<'_, SurfaceCase>,
+        of: &Context<'_, SurfaceCase>,
         _: &Running<'_>,
     ) -> Result<Vec<String>, AnswerError> {
-        Ok(surface_cycle_warnings(self))
+        let mut warnings = surface_cycle_warnings(self);
+        warnings.extend(range_warnings(&self.limits(of)));
+        Ok(warnings)
     }
 
     fn files(

@@ -266,6 +266,12 @@ pub(crate) fn range_warnings(limits: &[Limit]) -> Vec<String> {
                 limit.threshold?
             ))
         })
+        .chain(limits.iter().filter(|it| it.name == UNRESOLVED && it.strained).map(|limit| {
+            format!(
+                "{} % of the summits in contact are as narrow as a cell: whether the range of the attraction is small there cannot be judged",
+                significant(100.0 * limit.value, 2)
+            )
+        }))
         .collect()
 }
 
@@ -287,6 +293,7 @@ fn limit_words(name: &'static str) -> &'static str {
         "pillar_compliance" => "error of the columns",
         ELASTIC_ERROR => "error of the pillars",
         RANGE => "Tabor number",
+        UNRESOLVED => "fraction of unresolved summits",
         other => other,
     }
 }
@@ -327,6 +334,11 @@ const CELLS: &str = "cells_in_contact";
 
 /// The limit that depends on the range of the attraction.
 const RANGE: &str = "tabor_number";
+
+/// The smallest of several such numbers, the number of summits that they are of, and the fraction without a number.
+const SMALLEST: &str = "smallest_tabor_number";
+const SUMMITS: &str = "summits_in_contact";
+const UNRESOLVED: &str = "unresolved_summits";
 
 /// A list of the quantities of a state, built row by row.
 #[derive(Debug, Default)]
@@ -539,6 +551,30 @@ impl QuantityList {
     pub fn range(&mut self, limits: &[Limit]) -> &mut Self {
         let of_range = limits.iter().filter(|limit| limit.name == RANGE);
         self.limits(&of_range.copied().collect::<Vec<Limit>>())
+            .summits(limits)
+    }
+
+    /// The summits of a height map whose largest Tabor number is that of the contact, and what it assumes.
+    pub(crate) fn summits(&mut self, limits: &[Limit]) -> &mut Self {
+        let value = |name: &str| {
+            let found = limits.iter().find(|limit| limit.name == name);
+            found.map(|limit| limit.value)
+        };
+        let (Some(summits), Some(part)) = (value(SUMMITS), value(UNRESOLVED)) else {
+            return self;
+        };
+        let numbers = value(SMALLEST).map(|least| {
+            format!(
+                "Tabor numbers from {} to that above, if the cells resolve a summit: its curvature is that of 3 x 3 of them; ",
+                significant(least, 2)
+            )
+        });
+        let narrow = format!(
+            "{} as narrow as a cell, without one",
+            (part * summits).round()
+        );
+        let remark = numbers.unwrap_or_default() + &narrow;
+        self.row("summits in contact", summits.to_string(), "", &remark)
     }
 
     /// Work of separation and hysteresis (J) of a cycle, as far as they are known; `error` is the relative error of the second one.

@@ -155,7 +155,7 @@ pub fn transition(
 #[must_use]
 pub fn surface_press(answer: &SurfaceAnswer<'_, SurfaceContact>, wall_time: f64) -> Object {
     Object::of(answer)
-        .with_limits(answer.answer.limits(answer.system))
+        .with_limits(answer.answer.limits(answer.system, None))
         .timed(wall_time)
 }
 
@@ -163,15 +163,19 @@ pub fn surface_press(answer: &SurfaceAnswer<'_, SurfaceContact>, wall_time: f64)
 #[must_use]
 pub fn surface_transition(answer: &SurfaceAnswer<'_, SurfaceTransition>, wall_time: f64) -> Object {
     Object::of(answer)
-        .with_limits(answer.answer.contact.limits(answer.system))
+        .with_limits(answer.answer.contact.limits(answer.system, None))
         .timed(wall_time)
 }
 
 /// A cycle with a height map: what `fakir cycle --json` prints. Limits are those of the end of the loading.
 #[must_use]
-pub fn surface_cycle(answer: &SurfaceAnswer<'_, SurfaceCycle>, wall_time: f64) -> Object {
+pub fn surface_cycle(
+    answer: &SurfaceAnswer<'_, SurfaceCycle>,
+    range: Option<f64>,
+    wall_time: f64,
+) -> Object {
     Object::of(answer)
-        .with_limits(answer.answer.turn.limits(answer.system))
+        .with_limits(answer.answer.turn.limits(answer.system, range))
         .timed(wall_time)
 }
 

@@ -520,13 +520,6 @@ static RULES: &[Rule] = &[
     )),
     // Height maps.
     rule(
-        &[Question::AttractionRange],
-        HEIGHT_MAP,
-        &[],
-        "whether the range of the attraction is short depends on the curvature of the summits that are touched, which a height map does not give",
-        "compare the range with the gaps of the contact: leave it out, and look at the saved gaps",
-    ),
-    rule(
         &[Question::Fit, Question::Design, Question::FloorShare],
         HEIGHT_MAP,
         &[ADHESIVE_TOPS],

@@ -1,6 +1,7 @@
 //! Validity limits of contacts, and effects that are not included in the model: closed-form estimates from the contact alone.
 
 use super::layer::Layers;
+use super::summits;
 use crate::numerics::convergence::smaller;
 use crate::problem::{
     AsperityArray, FlatSystem, HeightMap, Layer, Material, Method, PillarCompliance, ShapedLens,
@@ -284,8 +285,11 @@ impl SurfaceContact {
     ///   without pillars `contact_stress`, that on all cells in contact.
     /// * For bodies of finite thickness, the values for contacts with pillars, except those relative to the pillar diameter.
     /// * `cells_in_contact`: their number, which must be at least 12.
+    /// * With a `range` of the attraction (m): the largest `tabor_number` of the summits in contact and the `smallest_tabor_number`, where a summit has the
+    ///   curvature of the least-squares paraboloid through 3 x 3 cells of the undeformed gap, and is a punch if it is a flat top in contact up to its
+    ///   rim; `summits_in_contact`, and the fraction of them that are as narrow as a cell and have no number, `unresolved_summits`.
     #[must_use]
-    pub fn limits(&self, system: &SurfaceSystem) -> Vec<Limit> {
+    pub fn limits(&self, system: &SurfaceSystem, range: Option<f64>) -> Vec<Limit> {
         let mut limits = Vec::new();
         let lens = system.indenter().lens();
         if let Some(lens) = lens {
@@ -318,6 +322,9 @@ impl SurfaceContact {
         let cells = cells.count() as f64;
         if cells > 0.0 {
             limits.push(Limit::at_least("cells_in_contact", cells, FEWEST_CELLS));
+        }
+        if let Some(range) = range {
+            limits.extend(summits::limits(self, system, range));
         }
         // Without load the stress is undefined.
         limits.retain(|limit| limit.value.is_finite());

@@ -22,3 +22,4 @@ pub mod prony;
 #[cfg(test)]
 pub(crate) mod reference;
 pub mod stuck_floor;
+mod summits;

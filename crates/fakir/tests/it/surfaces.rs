@@ -717,7 +717,7 @@ fn a_paraboloid_as_hertz() {
     let contact = press(&system, Load::Indentation(indentation));
     let hertz = 4.0 / 3.0 * system.reduced_modulus() * LENS_RADIUS.sqrt() * indentation.powf(1.5);
     assert!((contact.force / hertz - 1.0).abs() < 2e-4);
-    let limits = contact.limits(&system);
+    let limits = contact.limits(&system, None);
     let slope = limits.iter().find(|limit| limit.name == "slope").unwrap();
     let radius = (LENS_RADIUS * indentation).sqrt();
     assert!((slope.value / (radius / LENS_RADIUS) - 1.0).abs() < 0.05);
