@@ -323,7 +323,7 @@ fn elements_verify_adhesive_tops() {
     }
     let dry = bench.json(&[&few[..], &["--set", "adhesion.work=0"]].concat());
     assert!(dry["relative_difference"]["contact_area"].is_null());
-    let force = |found: &serde_json::Value| found["answers"][2]["force_N"].as_f64().unwrap();
+    let force = |found: &Value| found["answers"][2]["force_N"].as_f64().unwrap();
     assert!(force(&found) < 0.9 * force(&dry));
     let text = bench.run(&few);
     assert!(text.stdout.contains("Difference in the contact area"));

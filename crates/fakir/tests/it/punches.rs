@@ -217,7 +217,8 @@ fn the_floor_of_a_map_can_be_ignored() {
     };
     // The lens touches the floor at 0.8 um.
     let [small, large] = [0.3e-6, 1.5e-6];
-    assert_eq!(pressed(&without, small).force, pressed(&whole, small).force);
+    let forces = [&without, &whole].map(|system| pressed(system, small).force);
+    assert!((forces[0] / forces[1] - 1.0).abs() < 1e-9, "{forces:?}");
     let contact = pressed(&without, large);
     let passed =
         |warning: &Warning| matches!(warning, Warning::IgnoredFloor { depth } if *depth > 0.0);
@@ -228,7 +229,7 @@ fn the_floor_of_a_map_can_be_ignored() {
     );
     assert!(contact.force < pressed(&whole, large).force);
     let shares = contact.shares.expect("a floor");
-    assert_eq!((shares.floor.force, shares.floor.area), (0.0, 0.0));
+    assert!(shares.floor.force.abs() + shares.floor.area.abs() < f64::MIN_POSITIVE);
     let pillar = Pillar {
         height,
         compliance: PillarCompliance::None,
