@@ -7,7 +7,7 @@ use crate::samples::{Field, arrays};
 use crate::settings::settings;
 use crate::watched::{Options, watched};
 use fakir::problem::Point;
-use fakir::solve::flat::FlatFields;
+use fakir::solve::flat::fields::FlatFields;
 use fakir::state::{FlatContact, FlatCycle};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
 use fakir_study::record::{FlatAnswer, GradientObject};

@@ -6,10 +6,8 @@
 //! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
-mod fields;
+pub mod fields;
 mod gradient;
-
-pub use fields::FlatFields;
 
 use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::line::integral_and_negative_part;
@@ -486,32 +484,6 @@ impl FlatSystem {
         }
         let fine = Bench::new(self, FINER).loaded(load)?.unwrap_or(state);
         with_errors(contact, &fine, Some(load)).checked()
-    }
-
-    /// Pressure of a contact at distances from the lens axis (m), Pa. Zero outside of the contact; at the rim of an adhesive contact and of a punch it is
-    /// infinite.
-    #[must_use]
-    pub fn pressure(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
-        self.pressure_of_disc(contact.contact_radius, contact.indentation, distances)
-    }
-
-    /// The same of the contact with a radius at an indentation, m.
-    #[must_use]
-    pub fn pressure_of_disc(&self, radius: f64, indentation: f64, distances: &[f64]) -> Vec<f64> {
-        let fields = FlatFields::of_disc(self, radius, indentation, 0.0);
-        let at = |distance: &f64| fields.pressure([*distance, 0.0]);
-        distances.iter().map(at).collect()
-    }
-
-    /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart.
-    #[must_use]
-    pub fn displacement(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
-        let farthest = distances
-            .iter()
-            .fold(0.0, |most: f64, it| larger(most, it.abs()));
-        let fields = self.fields(contact, farthest);
-        let at = |distance: &f64| fields.displacement([*distance, 0.0]);
-        distances.iter().map(at).collect()
     }
 
     /// The branches of a cycle whose loading ends at `turn`, for contacts at given loads: see [`FlatBranches`].

@@ -32,6 +32,32 @@ impl FlatSystem {
     pub fn fields(&self, contact: &FlatContact, farthest: f64) -> FlatFields {
         FlatFields::of_disc(self, contact.contact_radius, contact.indentation, farthest)
     }
+
+    /// Pressure of a contact at distances from the lens axis (m), Pa. Zero outside of the contact; at the rim of an adhesive contact and of a punch it is
+    /// infinite.
+    #[must_use]
+    pub fn pressure(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
+        self.pressure_of_disc(contact.contact_radius, contact.indentation, distances)
+    }
+
+    /// The same of the contact with a radius at an indentation, m.
+    #[must_use]
+    pub fn pressure_of_disc(&self, radius: f64, indentation: f64, distances: &[f64]) -> Vec<f64> {
+        let fields = FlatFields::of_disc(self, radius, indentation, 0.0);
+        let at = |distance: &f64| fields.pressure([*distance, 0.0]);
+        distances.iter().map(at).collect()
+    }
+
+    /// Relative normal displacement of the two surfaces at distances from the lens axis (m), m, positive apart.
+    #[must_use]
+    pub fn displacement(&self, contact: &FlatContact, distances: &[f64]) -> Vec<f64> {
+        let farthest = distances
+            .iter()
+            .fold(0.0, |most: f64, it| larger(most, it.abs()));
+        let fields = self.fields(contact, farthest);
+        let at = |distance: &f64| fields.displacement([*distance, 0.0]);
+        distances.iter().map(at).collect()
+    }
 }
 
 impl FlatFields {
