@@ -137,3 +137,18 @@ def test_a_surface_has_the_fields_of_its_cells(surface):
         assert np.array_equal(data.height, np.load(folder / "heights.npy"))
         pressure = vtk_to_numpy(image.GetPointData().GetArray("pressure_Pa"))
         assert np.array_equal(pressure.reshape(data.pressure.shape), data.pressure)
+
+
+def test_a_flat_surface_has_maps_around_its_axis(fakir):
+    """Without adhesion, whose tension at the rim is infinite, the sum of the pressure is the force; the gap is zero in the contact alone."""
+    dry = ["--set", "adhesion.work=0", "--set", "adhesion.work_receding=0"]
+    folder, summary = fakir("press", "flat.toml", "--force", "5mN", "--field-points", "100", *dry)
+    with xarray.open_dataset(folder / "fields.nc") as data:
+        assert data.sizes == {"y": 100, "x": 100} and "on_pillar" not in data
+        assert force_of(data) == pytest.approx(summary["force_N"], rel=2e-3)
+        for name in UNITS:
+            values = data[name].values
+            for other in (values.T, values[::-1], values[:, ::-1]):
+                np.testing.assert_allclose(values, other, rtol=1e-9, atol=0)
+        inside = np.hypot(*np.meshgrid(data.x, data.y)) <= summary["contact_radius_m"]
+        assert (data.gap.values[inside] == 0).all() and (data.gap.values[~inside] > 0).all()
