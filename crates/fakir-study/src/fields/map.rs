@@ -215,8 +215,23 @@ impl FieldMap {
         Self::check_memory([axis.count; 2], run)?;
         let coordinates = axis.coordinates();
         let fields = system.fields(contact, half_width * std::f64::consts::SQRT_2);
+        // One quarter, as the contact is symmetric: with two points at least, whose distance is the side of a cell.
+        let first = axis.count / 2 - 1;
+        let quarter = &coordinates[first..];
+        let side = quarter.len();
+        let place = |k: usize| k.max(axis.count - 1 - k) - first;
+        let whole = |values: Vec<f64>| {
+            let row = |y: usize| (0..axis.count).map(move |x| [place(x), place(y)]);
+            let places = (0..axis.count).flat_map(row);
+            places.map(|[x, y]| values[y * side + x]).collect()
+        };
+        let samples = fields.on_grid(quarter, quarter, run)?;
         let variables = sampled(
-            fields.on_grid(&coordinates, &coordinates, run)?,
+            FieldSamples {
+                displacement: whole(samples.displacement),
+                gap: whole(samples.gap),
+                pressure: whole(samples.pressure),
+            },
             [
                 MEAN_OF_SIXTEEN,
                 "To the flat surface; not a number beyond the rim of a punch.",
