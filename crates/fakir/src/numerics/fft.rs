@@ -1,7 +1,7 @@
 //! Plans of fast Fourier transforms in two dimensions, and lengths that are fast to transform.
 
 use fakir_fft::{ComplexToReal, Fft, RealToComplex, Transformable};
-use num_complex::{Complex, Complex64};
+use num_complex::Complex;
 use std::sync::Arc;
 
 /// Precision of a transform: double, or single, which takes half the time.
@@ -176,10 +176,32 @@ pub(crate) fn quick_length(least: usize) -> usize {
 }
 
 /// Transposes an array of `rows` and `columns`.
-pub(crate) fn transpose(from: &[Complex64], to: &mut [Complex64], rows: usize, columns: usize) {
-    for (row, values) in from.chunks_exact(columns).enumerate() {
-        for (column, value) in values.iter().enumerate() {
-            to[column * rows + row] = *value;
+pub(crate) fn transpose<T: Copy>(from: &[T], to: &mut [T], rows: usize, columns: usize) {
+    transpose_part(from, columns, to, rows, [rows, columns]);
+}
+
+/// Side of the tiles of a transposition: two cache lines of complex numbers. Rows of a power of two share few places of the cache, so that single columns
+/// would evict each other.
+const TILE: usize = 8;
+
+/// Transposes the first `rows` and `columns` of an array whose rows begin every `from_stride` values, to one whose rows begin every `to_stride` values.
+pub(crate) fn transpose_part<T: Copy>(
+    from: &[T],
+    from_stride: usize,
+    to: &mut [T],
+    to_stride: usize,
+    [rows, columns]: [usize; 2],
+) {
+    for first_row in (0..rows).step_by(TILE) {
+        let tile_rows = first_row..(first_row + TILE).min(rows);
+        for first_column in (0..columns).step_by(TILE) {
+            for column in first_column..(first_column + TILE).min(columns) {
+                let to = &mut to[column * to_stride..][tile_rows.clone()];
+                let from = from[first_row * from_stride + column..].iter();
+                for (to, from) in to.iter_mut().zip(from.step_by(from_stride)) {
+                    *to = *from;
+                }
+            }
         }
     }
 }

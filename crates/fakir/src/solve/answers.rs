@@ -114,7 +114,7 @@ pub(crate) fn press_to_floor_shares(
     for share in shares.iter().copied() {
         let near = reached * (1.0 + start_of_share(share, &known));
         let near = Load::Indentation(near);
-        let guess = homogenised_radius(system, &scene, near);
+        let guess = homogenised_guess(system, &scene, near).map(radius_of);
         let tops = mixed::on_tops_alone(&scene, near, guess, run)?;
         let of_share = [share, reached];
         let (state, power) = mixed::at_floor_share(system, &scene, of_share, accuracy, tops, run)?;
@@ -192,7 +192,8 @@ fn solve(
             return Ok(warned(state));
         }
     }
-    let guess = homogenised_radius(system, scene, target);
+    let homogenised = homogenised_guess(system, scene, target);
+    let guess = homogenised.map(radius_of);
     let assembled = |solution: &Solution<'_>, lowest, error| {
         let floor = OfFloor::Lowest(lowest);
         assemble(system, scene, target, method, solution, floor, error).map(warned)
@@ -281,7 +282,7 @@ fn solve(
                     listener(&answer(solution, mesh));
                 }
             };
-            let solution = pillars::solve(scene, target, guess, mesh, run, &coarser)?;
+            let solution = pillars::solve(scene, target, homogenised, mesh, run, &coarser)?;
             Ok(answer(&solution, mesh))
         }
     }
@@ -334,8 +335,13 @@ const MANY_PILLARS: f64 = 40.0;
 /// milliseconds.
 const MANY_TO_WAIT_FOR: usize = 1000;
 
-/// Contact radius of the homogenised lattice, if that is accurate.
-pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -> Option<f64> {
+/// The contact radius of a [guess](homogenised_guess).
+pub(super) fn radius_of([radius, _]: [f64; 2]) -> f64 {
+    radius
+}
+
+/// Contact radius and indentation of the homogenised lattice, if they are accurate.
+pub(super) fn homogenised_guess(system: &System, scene: &Scene, target: Load) -> Option<[f64; 2]> {
     let lattice = scene.hexagonal_lattice()?;
     let rough = rough_contact_radius(scene, target);
     if Window::expected_len(lattice, rough) < MANY_PILLARS {
@@ -345,8 +351,8 @@ pub(super) fn homogenised_radius(system: &System, scene: &Scene, target: Load) -
         |indentation| indentation * scene.length,
         |force| force * scene.force(),
     );
-    let radius = homogenised::rough_contact_radius(system, control)? / scene.length;
-    Some(radius).filter(|radius| *radius > 0.0)
+    let guess = homogenised::rough_contact(system, control)?.map(|value| value / scene.length);
+    Some(guess).filter(|[radius, _]| *radius > 0.0)
 }
 
 /// The lowest point of the floor, or the point that determined the indentation.

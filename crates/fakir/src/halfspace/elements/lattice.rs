@@ -6,11 +6,11 @@
 
 use super::operator::Operator;
 use super::potential::CellPotential;
-use crate::numerics::fft::{ComplexPlans, RealPlans, smooth_size, transpose};
+use crate::numerics::fft::{ComplexPlans, Real, RealPlans, smooth_size, transpose, transpose_part};
 use crate::numerics::workers::{fill, map};
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Cells, Point};
-use num_complex::Complex64;
+use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
 use std::f64::consts::PI;
 
@@ -21,39 +21,51 @@ const PARALLEL_VALUES: usize = 20_000;
 ///
 /// Unknowns are ordered by pillars, and for each pillar in the order of `cells`.
 pub struct LatticeOfGrids<'a> {
+    layout: Layout<'a>,
+    exact: Convolution<f64>,
+    /// The same for steps.
+    rough: Convolution<f32>,
+    /// Inverse of the transformed kernel of a single grid, including the normalisation.
+    inverse: Vec<f64>,
+}
+
+/// The cells in the arrays that are transformed.
+struct Layout<'a> {
     /// Indices of the cells of one grid in its padded array.
     places: Vec<usize>,
     /// Rows and columns of every pillar in the array of lattice indices.
     pillars: Vec<(usize, usize)>,
     shape: (usize, usize),
-    local: LocalTransform,
-    lattice: LatticeTransform,
+    pool: Option<&'a ThreadPool>,
+}
+
+/// The convolution in a precision.
+struct Convolution<R: Real> {
+    local: LocalTransform<R>,
+    lattice: LatticeTransform<R>,
     /// Transformed kernel: for every local frequency, the padded lattice array; real, since the kernel is even. Includes the normalisation
     /// of all inverse transforms.
-    kernel: Vec<f64>,
-    /// Inverse of the transformed kernel of a single grid, including the normalisation.
-    inverse: Vec<f64>,
+    kernel: Vec<R>,
     /// Local spectra: for every local frequency, all pillars.
-    spectra: Vec<Complex64>,
-    pool: Option<&'a ThreadPool>,
+    spectra: Vec<Complex<R>>,
 }
 
 /// Transforms over a grid padded to at least twice its size.
 #[derive(Clone)]
-struct LocalTransform {
+struct LocalTransform<R: Real> {
     rows: usize,
     columns: usize,
     /// Number of complex columns of a real transform.
     half: usize,
-    plans: RealPlans,
+    plans: RealPlans<R>,
 }
 
 /// Transforms over the array of lattice indices padded to at least twice its size.
 #[derive(Clone)]
-struct LatticeTransform {
+struct LatticeTransform<R: Real> {
     rows: usize,
     columns: usize,
-    plans: ComplexPlans,
+    plans: ComplexPlans<R>,
 }
 
 impl<'a> LatticeOfGrids<'a> {
@@ -92,26 +104,33 @@ impl<'a> LatticeOfGrids<'a> {
             .positions()
             .map(|(column, row)| row * local.columns + column)
             .collect();
-        let frequencies = local.frequencies();
-        let mut operator = Self {
-            places,
-            spectra: vec![Complex64::default(); frequencies * pillars.len()],
-            kernel: Vec::new(),
-            inverse: Vec::new(),
-            pillars,
-            shape,
-            local,
-            lattice,
-            pool,
-        };
         let influence = Influence {
             potential: CellPotential::new(grid.cell(), layers),
             cell: grid.cell(),
             vectors,
             scale: compliance / PI,
         };
-        operator.fill_kernels(&influence);
-        operator
+        let layout = Layout {
+            places,
+            pillars,
+            shape,
+            pool,
+        };
+        let (kernel, inverse) = layout.kernels(&local, &lattice, &influence);
+        let rough = kernel.iter().map(|value| f32::of(*value)).collect();
+        let (rows, columns) = (lattice.rows, lattice.columns);
+        let rough = Convolution::new(
+            LocalTransform::new(local.rows, local.columns),
+            LatticeTransform::new(rows, columns),
+            rough,
+            layout.pillars.len(),
+        );
+        Self {
+            exact: Convolution::new(local, lattice, kernel, layout.pillars.len()),
+            rough,
+            inverse,
+            layout,
+        }
     }
 
     /// Memory in bytes for this number of cells across each grid and this shape of the array of lattice indices.
@@ -120,28 +139,48 @@ impl<'a> LatticeOfGrids<'a> {
         let across = smooth_size(2 * cells_across - 1);
         let frequencies = across * (across / 2 + 1);
         let lattice = padded(shape.0) * padded(shape.1);
-        // The kernel, half of it as complex numbers during its construction, and the spectra.
-        frequencies * (16 * lattice + 16 * pillars)
+        // The kernel, half of it as complex numbers during its construction, or in single precision after it; and the spectra in both precisions.
+        frequencies * (16 * lattice + 24 * pillars)
     }
 
     /// Number of cells of one grid.
     #[must_use]
     pub fn cells_per_pillar(&self) -> usize {
-        self.places.len()
+        self.layout.places.len()
     }
+}
 
+impl LatticeOfGrids<'_> {
+    fn check_lengths(&self, pressure: &[f64], displacement: &[f64]) {
+        assert_eq!(pressure.len(), self.len(), "one pressure for every cell");
+        assert_eq!(
+            displacement.len(),
+            self.len(),
+            "one displacement for every cell"
+        );
+    }
+}
+
+impl<'a> Layout<'a> {
     /// Transforms the potential over the cells for every lattice offset, then over the lattice for every local frequency.
-    fn fill_kernels(&mut self, influence: &Influence) {
-        let frequencies = self.local.frequencies();
-        let (rows, columns) = (self.lattice.rows, self.lattice.columns);
+    /// Returns the result, and the inverse for a single grid.
+    fn kernels(
+        &self,
+        local: &LocalTransform<f64>,
+        lattice: &LatticeTransform<f64>,
+        influence: &Influence,
+    ) -> (Vec<f64>, Vec<f64>) {
+        let frequencies = local.frequencies();
+        let (rows, columns) = (lattice.rows, lattice.columns);
         let points = rows * columns;
-        let normalisation = 1.0 / (points * self.local.rows * self.local.columns) as f64;
-        let (local, lattice, shape) = (&self.local, &self.lattice, self.shape);
-        let pool = self.shared_pool();
+        let normalisation = 1.0 / (points * local.rows * local.columns) as f64;
+        let shape = self.shape;
+        let pool = self.shared_pool(frequencies);
         let opposite = |place: usize| {
             let (row, column) = (place / columns, place % columns);
             ((rows - row) % rows) * columns + (columns - column) % columns
         };
+        let opposites: Vec<usize> = (0..points).map(opposite).collect();
         // The spectrum at the opposite offset is the conjugate: half of them are sufficient.
         let offset_spectrum = |place: usize| -> Vec<Complex64> {
             let (row, column) = (place / columns, place % columns);
@@ -150,16 +189,15 @@ impl<'a> LatticeOfGrids<'a> {
                 wrapped(column, shape.1, columns),
             );
             match offset {
-                (Some(i), Some(j)) if place <= opposite(place) => {
+                (Some(i), Some(j)) if place <= opposites[place] => {
                     local.kernel_spectrum(influence, (i, j))
                 }
                 _ => Vec::new(),
             }
         };
         let spectra = map(pool, points, 1, || (), |(), place| offset_spectrum(place));
-        self.inverse = local.inverse(&spectra[0]);
         let value = |place: usize, frequency: usize| {
-            let half = place.min(opposite(place));
+            let half = place.min(opposites[place]);
             let value = spectra[half].get(frequency).copied().unwrap_or_default();
             if half == place { value } else { value.conj() }
         };
@@ -181,35 +219,58 @@ impl<'a> LatticeOfGrids<'a> {
                 }
             },
         );
-        self.kernel = kernel;
+        (kernel, local.inverse(&spectra[0]))
     }
 
-    fn shared_pool(&self) -> Option<&'a ThreadPool> {
+    /// The threads, if they are worthwhile for this number of local frequencies.
+    fn shared_pool(&self, frequencies: usize) -> Option<&'a ThreadPool> {
         self.pool.filter(|pool| {
-            pool.current_num_threads() > 1
-                && self.local.frequencies() * self.pillars.len() >= PARALLEL_VALUES
+            pool.current_num_threads() > 1 && frequencies * self.pillars.len() >= PARALLEL_VALUES
         })
+    }
+}
+
+impl<R: Real> Convolution<R> {
+    fn new(
+        local: LocalTransform<R>,
+        lattice: LatticeTransform<R>,
+        kernel: Vec<R>,
+        pillars: usize,
+    ) -> Self {
+        Self {
+            spectra: vec![Complex::default(); local.frequencies() * pillars],
+            local,
+            lattice,
+            kernel,
+        }
+    }
+
+    /// The displacement of all cells.
+    fn apply(&mut self, layout: &Layout<'_>, pressure: &[f64], displacement: &mut [f64]) {
+        self.spread(layout, pressure);
+        self.convolve(layout);
+        self.collect(layout, displacement);
     }
 
     /// Computes the local spectra of all grids.
-    fn spread(&mut self, values: &[f64]) {
-        let count = self.pillars.len();
-        let (local, places) = (&self.local, &self.places);
+    fn spread(&mut self, layout: &Layout<'_>, values: &[f64]) {
+        let count = layout.pillars.len();
+        let (local, places) = (&self.local, &layout.places);
         let per_pillar = places.len();
         let frequencies = local.frequencies();
         // A few pillars at a time, whose spectra are then written next to each other.
-        let mut block = vec![Complex64::default(); BLOCK * frequencies];
+        let mut block = vec![Complex::default(); BLOCK * frequencies];
         let mut work = LocalWork::new(local);
         for first in (0..count).step_by(BLOCK) {
             let size = BLOCK.min(count - first);
             for (k, spectrum) in block.chunks_exact_mut(frequencies).take(size).enumerate() {
                 let pillar = first + k;
-                work.array.fill(0.0);
+                work.array.fill(R::default());
                 for (place, value) in places
                     .iter()
                     .zip(&values[pillar * per_pillar..(pillar + 1) * per_pillar])
                 {
-                    work.array[*place] = *value;
+                    work.array[*place] = R::of(*value);
                 }
                 local.forward(&mut work, spectrum);
             }
@@ -223,12 +284,12 @@ impl<'a> LatticeOfGrids<'a> {
     }
 
     /// Computes the values of all cells from the local spectra.
-    fn collect(&mut self, values: &mut [f64]) {
-        let count = self.pillars.len();
-        let (local, places) = (&self.local, &self.places);
+    fn collect(&mut self, layout: &Layout<'_>, values: &mut [f64]) {
+        let count = layout.pillars.len();
+        let (local, places) = (&self.local, &layout.places);
         let per_pillar = places.len();
         let frequencies = local.frequencies();
-        let mut block = vec![Complex64::default(); BLOCK * frequencies];
+        let mut block = vec![Complex::default(); BLOCK * frequencies];
         let mut work = LocalWork::new(local);
         for first in (0..count).step_by(BLOCK) {
             let size = BLOCK.min(count - first);
@@ -245,27 +306,27 @@ impl<'a> LatticeOfGrids<'a> {
                     .iter()
                     .zip(&mut values[pillar * per_pillar..(pillar + 1) * per_pillar])
                 {
-                    *value = work.array[*place];
+                    *value = work.array[*place].double();
                 }
             }
         }
     }
 
     /// Convolves over the lattice, frequency by frequency.
-    fn convolve(&mut self) {
-        let pool = self.shared_pool();
+    fn convolve(&mut self, layout: &Layout<'_>) {
+        let pool = layout.shared_pool(self.local.frequencies());
         let points = self.lattice.rows * self.lattice.columns;
-        let (lattice, pillars, shape) = (&self.lattice, &self.pillars, self.shape);
-        let kernel = &self.kernel;
-        let one = |work: &mut LatticeWork, frequency: usize, spectrum: &mut [Complex64]| {
-            work.array.fill(Complex64::default());
+        let Layout { pillars, shape, .. } = layout;
+        let (lattice, kernel) = (&self.lattice, &self.kernel);
+        let one = |work: &mut LatticeWork<R>, frequency: usize, spectrum: &mut [Complex<R>]| {
+            work.array.fill(Complex::default());
             for ((row, column), value) in pillars.iter().zip(spectrum.iter()) {
                 work.array[row * lattice.columns + column] = *value;
             }
             lattice.forward(shape.0, work);
             let kernel = kernel[frequency * points..].iter();
             for (value, kernel) in work.array.iter_mut().zip(kernel) {
-                *value *= kernel;
+                *value = Complex::new(value.re * *kernel, value.im * *kernel);
             }
             lattice.backward(shape.0, work);
             for ((row, column), value) in pillars.iter().zip(spectrum.iter_mut()) {
@@ -301,24 +362,22 @@ fn wrapped(place: usize, extent: usize, padded: usize) -> Option<i64> {
 
 impl Operator for LatticeOfGrids<'_> {
     fn len(&self) -> usize {
-        self.places.len() * self.pillars.len()
+        self.layout.places.len() * self.layout.pillars.len()
     }
 
     fn apply(&mut self, pressure: &[f64], displacement: &mut [f64]) {
-        assert_eq!(pressure.len(), self.len(), "one pressure for every cell");
-        assert_eq!(
-            displacement.len(),
-            self.len(),
-            "one displacement for every cell"
-        );
-        self.spread(pressure);
-        self.convolve();
-        self.collect(displacement);
+        self.check_lengths(pressure, displacement);
+        self.exact.apply(&self.layout, pressure, displacement);
+    }
+
+    fn apply_to_step(&mut self, step: &[f64], displacement: &mut [f64]) {
+        self.check_lengths(step, displacement);
+        self.rough.apply(&self.layout, step, displacement);
     }
 
     /// Preconditioner of every grid separately, with periodic wrap-around.
     fn precondition(&mut self, residual: &[f64], direction: &mut [f64]) {
-        let (local, places) = (&self.local, &self.places);
+        let (local, places) = (&self.exact.local, &self.layout.places);
         let mut work = LocalWork::new(local);
         let mut spectrum = vec![Complex64::default(); local.frequencies()];
         for (residual, direction) in residual
@@ -353,26 +412,26 @@ struct Influence {
     scale: f64,
 }
 
-struct LocalWork {
-    array: Vec<f64>,
-    row: Vec<Complex64>,
-    line: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+struct LocalWork<R: Real> {
+    array: Vec<R>,
+    row: Vec<Complex<R>>,
+    line: Vec<Complex<R>>,
+    scratch: Vec<Complex<R>>,
 }
 
-impl LocalWork {
-    fn new(local: &LocalTransform) -> Self {
+impl<R: Real> LocalWork<R> {
+    fn new(local: &LocalTransform<R>) -> Self {
         let scratch = local.plans.scratch_len();
         Self {
-            array: vec![0.0; local.rows * local.columns],
-            row: vec![Complex64::default(); local.rows * local.half],
-            line: vec![Complex64::default(); local.rows * local.half],
-            scratch: vec![Complex64::default(); scratch],
+            array: vec![R::default(); local.rows * local.columns],
+            row: vec![Complex::default(); local.rows * local.half],
+            line: vec![Complex::default(); local.rows * local.half],
+            scratch: vec![Complex::default(); scratch],
         }
     }
 }
 
-impl LocalTransform {
+impl<R: Real> LocalTransform<R> {
     fn new(rows: usize, columns: usize) -> Self {
         Self {
             rows,
@@ -387,14 +446,14 @@ impl LocalTransform {
     }
 
     /// Spectrum of `work.array`, which is overwritten; stored by columns.
-    fn forward(&self, work: &mut LocalWork, spectrum: &mut [Complex64]) {
+    fn forward(&self, work: &mut LocalWork<R>, spectrum: &mut [Complex<R>]) {
         for (values, row) in work
             .array
             .chunks_exact_mut(self.columns)
             .zip(work.row.chunks_exact_mut(self.half))
         {
-            if values.iter().all(|value| *value == 0.0) {
-                row.fill(Complex64::default());
+            if values.iter().all(|value| *value == R::default()) {
+                row.fill(Complex::default());
                 continue;
             }
             let done = self
@@ -410,7 +469,7 @@ impl LocalTransform {
     }
 
     /// `work.array` from its spectrum, which is overwritten; not normalised.
-    fn backward(&self, spectrum: &mut [Complex64], work: &mut LocalWork) {
+    fn backward(&self, spectrum: &mut [Complex<R>], work: &mut LocalWork<R>) {
         self.plans
             .column_back
             .process_with_scratch(spectrum, &mut work.scratch);
@@ -421,9 +480,9 @@ impl LocalTransform {
             .zip(work.array.chunks_exact_mut(self.columns))
         {
             // The imaginary parts of the first and, for even sizes, the last coefficient are rounding errors.
-            row[0].im = 0.0;
+            row[0].im = R::default();
             if self.columns.is_multiple_of(2) {
-                row[self.half - 1].im = 0.0;
+                row[self.half - 1].im = R::default();
             }
             let done = self
                 .plans
@@ -432,7 +491,9 @@ impl LocalTransform {
             debug_assert!(done.is_ok());
         }
     }
+}
 
+impl LocalTransform<f64> {
     /// Inverse of a kernel's spectrum, including the normalisation of the transforms.
     ///
     /// The kernel is truncated at the end of the grid, so that small values of its spectrum may have any sign; they are replaced by a
@@ -474,24 +535,24 @@ impl LocalTransform {
     }
 }
 
-struct LatticeWork {
-    array: Vec<Complex64>,
-    line: Vec<Complex64>,
-    scratch: Vec<Complex64>,
+struct LatticeWork<R: Real> {
+    array: Vec<Complex<R>>,
+    line: Vec<Complex<R>>,
+    scratch: Vec<Complex<R>>,
 }
 
-impl LatticeWork {
-    fn new(lattice: &LatticeTransform) -> Self {
+impl<R: Real> LatticeWork<R> {
+    fn new(lattice: &LatticeTransform<R>) -> Self {
         let scratch = lattice.plans.scratch_len();
         Self {
-            array: vec![Complex64::default(); lattice.rows * lattice.columns],
-            line: vec![Complex64::default(); lattice.rows * lattice.columns],
-            scratch: vec![Complex64::default(); scratch],
+            array: vec![Complex::default(); lattice.rows * lattice.columns],
+            line: vec![Complex::default(); lattice.rows * lattice.columns],
+            scratch: vec![Complex::default(); scratch],
         }
     }
 }
 
-impl LatticeTransform {
+impl<R: Real> LatticeTransform<R> {
     fn new(rows: usize, columns: usize) -> Self {
         Self {
             rows,
@@ -501,11 +562,15 @@ impl LatticeTransform {
     }
 
     /// Transforms `work.array`, of which only the first `used` rows are non-zero. The result is transposed.
-    fn forward(&self, used: usize, work: &mut LatticeWork) {
+    fn forward(&self, used: usize, work: &mut LatticeWork<R>) {
         self.plans
             .row
             .process_with_scratch(&mut work.array[..used * self.columns], &mut work.scratch);
-        transpose(&work.array, &mut work.line, self.rows, self.columns);
+        let part = [used, self.columns];
+        transpose_part(&work.array, self.columns, &mut work.line, self.rows, part);
+        for line in work.line.chunks_exact_mut(self.rows) {
+            line[used..].fill(Complex::default());
+        }
         self.plans
             .column
             .process_with_scratch(&mut work.line, &mut work.scratch);
@@ -513,11 +578,12 @@ impl LatticeTransform {
     }
 
     /// Inverse of [`Self::forward`] for the first `used` rows; not normalised.
-    fn backward(&self, used: usize, work: &mut LatticeWork) {
+    fn backward(&self, used: usize, work: &mut LatticeWork<R>) {
         self.plans
             .column_back
             .process_with_scratch(&mut work.array, &mut work.scratch);
-        transpose(&work.array, &mut work.line, self.columns, self.rows);
+        let part = [self.columns, used];
+        transpose_part(&work.array, self.rows, &mut work.line, self.columns, part);
         self.plans
             .row_back
             .process_with_scratch(&mut work.line[..used * self.columns], &mut work.scratch);

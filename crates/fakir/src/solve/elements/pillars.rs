@@ -58,6 +58,9 @@ pub(crate) struct Level<'a> {
     elements: Elements,
     separation: Vec<f64>,
     start: Vec<f64>,
+    /// Indentation at which the pressures `start` are those of these elements, and the solution before that; none of those of other elements.
+    solved_at: Option<f64>,
+    before: Option<(f64, Vec<f64>)>,
     floor: FloorSearch,
     products: usize,
 }
@@ -208,6 +211,8 @@ impl<'a> Level<'a> {
             run,
             operator,
             start: vec![0.0; elements.len()],
+            solved_at: None,
+            before: None,
             elements,
             separation,
             floor: FloorSearch::default(),
@@ -244,12 +249,13 @@ impl<'a> Level<'a> {
             ..Settings::default()
         };
         let area = self.elements.size * self.elements.size;
-        let contact = solver::solve(
+        let start = self.extrapolated(load);
+        let contact = solver::solve_from(
             &mut *self.operator,
             &self.separation,
             area,
             load,
-            Some(&self.start),
+            start,
             &settings,
             &self.run.cancel,
         );
@@ -261,8 +267,26 @@ impl<'a> Level<'a> {
             pillars: self.sites.len(),
             touched: self.touched(&contact).iter().filter(|p| **p).count(),
         });
-        self.start.copy_from_slice(&contact.pressure);
+        let last = std::mem::replace(&mut self.start, contact.pressure.clone());
+        self.before = self.solved_at.map(|indentation| (indentation, last));
+        self.solved_at = Some(contact.indentation);
         Ok(contact)
+    }
+
+    /// Pressures from which a solution starts: those of the last two, extrapolated to a prescribed indentation.
+    fn extrapolated(&self, load: Prescribed) -> Vec<f64> {
+        let mut start = self.start.clone();
+        if let Prescribed::Indentation(indentation) = load
+            && let (Some(last), Some((earlier, before))) = (self.solved_at, &self.before)
+        {
+            let part = (indentation - last) / (last - earlier);
+            if part.abs() < 1.0 {
+                for (start, before) in start.iter_mut().zip(before) {
+                    *start += part * (*start - before);
+                }
+            }
+        }
+        start
     }
 
     /// Whether each pillar carries a load.
@@ -726,12 +750,12 @@ impl ElementSolution<'_> {
     }
 }
 
-/// Solves for a target on successive levels, up to the requested mesh. `coarser` receives the solutions on the coarser meshes that are
-/// accepted as well: the same as if these had been requested.
+/// Solves for a target on successive levels, up to the requested mesh. `guess` is an estimate of contact radius and indentation. `coarser`
+/// receives the solutions on the coarser meshes that are accepted as well: the same as if these had been requested.
 pub(crate) fn solve<'a>(
     scene: &'a Scene,
     target: Load,
-    contact_radius: Option<f64>,
+    guess: Option<[f64; 2]>,
     mesh: ElementMesh,
     run: &'a Run<'a>,
     coarser: &dyn Fn(&ElementSolution<'a>, ElementMesh),
@@ -752,10 +776,11 @@ pub(crate) fn solve<'a>(
         });
     }
     let pitch = scene.field.spacing();
-    let guess = contact_radius.unwrap_or_else(|| rough_contact_radius(scene, target));
+    let [guess, indentation] =
+        guess.unwrap_or_else(|| [rough_contact_radius(scene, target), scene.height]);
     let mut radius = 1.05 * guess + 1.5 * pitch + 1.0;
     let mut search = Search {
-        indentation: scene.height,
+        indentation: larger(indentation, scene.height),
         slope: None,
     };
     let mut solved: Option<ElementSolution<'a>> = None;

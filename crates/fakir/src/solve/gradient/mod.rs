@@ -5,7 +5,7 @@ pub(crate) mod scene;
 mod tests;
 
 use self::scene::{OfScene, SceneDerivatives, scene_derivatives};
-use super::answers::{find_patch, homogenised_radius, lowest_point};
+use super::answers::{find_patch, homogenised_guess, lowest_point, radius_of};
 use super::assembled::{OfFloor, PillarMethod, assemble, refined};
 use super::mixed;
 use super::newton::{Newton, Purpose};
@@ -49,7 +49,7 @@ pub(crate) fn gradient(
             "the lens touches a part of one pillar top and nothing else, and so does not see its pattern; raise the load",
         ));
     }
-    let guess = homogenised_radius(system, &scene, target);
+    let guess = homogenised_guess(system, &scene, target).map(radius_of);
     let form = PunchForm::Corrected;
     let punch = solve_punch(&scene, target, guess, form, Purpose::Start, run)?;
     let mut solution = solve_spectral(&scene, target, punch, degrees(accuracy, &scene), run)?;

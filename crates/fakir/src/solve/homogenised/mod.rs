@@ -206,13 +206,13 @@ pub(crate) fn press(
     Ok(contact)
 }
 
-/// Contact radius at a prescribed load, to three digits, m: an initial guess for other methods. `None` if the model does not apply. Layers
+/// Contact radius and indentation at a prescribed load, to three digits, m: an initial guess for other methods. `None` if the model does not apply. Layers
 /// are replaced by half-spaces: they would take more time here than a better guess saves.
-pub(crate) fn rough_contact_radius(system: &System, control: Load) -> Option<f64> {
+pub(crate) fn rough_contact(system: &System, control: Load) -> Option<[f64; 2]> {
     let system = &system.with_layers(None, None).ok()?;
     let lattice = HomogenisedLattice::new(system).ok()?;
     let (contact, _) = contact_at(system, &lattice, LayerModes::rough(), control).ok()?;
-    Some(contact.radius)
+    Some([contact.radius, contact.indentation])
 }
 
 /// A contact of the layer model, in SI units.
