@@ -587,7 +587,7 @@ static RULES: &[Rule] = &[
         FLAT,
         &[ENDLESS],
         "the contact of an infinite cylinder or plate with a flat surface has no finite force or no finite indentation",
-        "use a sphere, a paraboloid, a profile or a punch",
+        "give a flat height map of finite size as the [surface]: outside of it the lens carries no load; or use a sphere, a paraboloid, a profile or a punch",
     )),
     meaningless(rule(
         &[

@@ -29,7 +29,7 @@ pub enum InvalidFlat {
     Quantity(#[from] InvalidQuantity),
     /// A lens whose contact is not a disc.
     #[error(
-        "the contact of a {0} with a flat surface has no finite force or no finite indentation: use a sphere, a paraboloid, a profile or a flat punch"
+        "the contact of a {0} with a flat surface has no finite force or no finite indentation: use a flat height map of finite size, or a sphere, a paraboloid, a profile or a flat punch"
     )]
     NoDisc(&'static str),
 }
