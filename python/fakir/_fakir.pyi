@@ -240,7 +240,12 @@ class FittedCurves:
 def fit_curves(
     case: Case | Flat | Asperities | Surface,
     curves: Sequence[
-        tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
+        tuple[
+            str,
+            tuple[Data, tuple[float | None, float, float, float, float, float]] | None,
+            str,
+            Case | Flat | Asperities | Surface | None,
+        ]
     ],
     free: Sequence[str],
     starts: int,
@@ -249,7 +254,12 @@ def fit_curves(
 def fit_jointly(
     case: Case | Flat | Asperities | Surface,
     curves: Sequence[
-        tuple[str, tuple[Data, tuple[float | None, float, float, float, float, float]] | None, str]
+        tuple[
+            str,
+            tuple[Data, tuple[float | None, float, float, float, float, float]] | None,
+            str,
+            Case | Flat | Asperities | Surface | None,
+        ]
     ],
     free: Sequence[str],
     shared: Sequence[str] | None,

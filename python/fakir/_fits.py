@@ -36,6 +36,11 @@ if TYPE_CHECKING:
 Curves: TypeAlias = Sequence[Measurements] | Mapping[str, Measurements]
 """Several curves, or curves by their names."""
 
+AnySystem: TypeAlias = System | FlatSystem | AsperityArray | Surface
+"""A system that can be fitted."""
+
+_Case: TypeAlias = _fakir.Case | _fakir.Flat | _fakir.Asperities | _fakir.Surface
+
 
 class FittedCurve(NamedTuple):
     """One of several curves."""
@@ -272,7 +277,7 @@ class CurveOptions(TypedDict, total=False):
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray | Surface,
+    system: AnySystem | Sequence[AnySystem],
     free: Sequence[str],
     *,
     joint: Literal[False] = False,
@@ -281,7 +286,7 @@ def fit_many(
 @overload
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray | Surface,
+    system: AnySystem | Sequence[AnySystem],
     free: Sequence[str],
     *,
     joint: Literal[True],
@@ -290,7 +295,7 @@ def fit_many(
 ) -> JointFit: ...
 def fit_many(
     curves: Curves,
-    system: System | FlatSystem | AsperityArray | Surface,
+    system: AnySystem | Sequence[AnySystem],
     free: Sequence[str],
     *,
     joint: bool = False,
@@ -324,6 +329,9 @@ def fit_many(
     ----------
     curves
         A list of files or tables, or a dictionary of them by names.
+    system
+        The system with the initial values; a list of systems, one for every curve, for curves that were measured on several surfaces, such as
+        pillars and a flat reference of the same material.
     joint
         Whether all curves are fitted together: shared parameters have one value, the others a value for every curve.
     shared
@@ -347,9 +355,17 @@ def fit_many(
     if shared is not None and not joint:
         raise TypeError("shared needs joint=True")
     run = options(threads, progress, memory_limit, "done, curves")
-    given: list[tuple[str, tuple[_fakir.Data, Instrument] | None, str]] = []
+    given: list[tuple[str, tuple[_fakir.Data, Instrument] | None, str, _Case | None]] = []
     understood: list[list[str]] = []
-    for name, measurements in named(curves):
+    pairs = named(curves)
+    systems = list(system) if isinstance(system, (list, tuple)) else [system]
+    if len(systems) not in (1, len(pairs)):
+        raise ValueError(f"{len(systems)} systems for {len(pairs)} curves: give one for all, or one for every curve")
+    first = case_of(systems[0])
+    owns: list[_Case | None] = [None] * len(pairs)
+    if len(systems) > 1:
+        owns = [case_of(one) for one in systems]
+    for (name, measurements), own in zip(pairs, owns, strict=True):
         try:
             raw, data, instrument = prepared(
                 measurements,
@@ -372,21 +388,21 @@ def fit_many(
         except FitError as error:
             if joint:
                 raise
-            given.append((name, None, str(error)))
+            given.append((name, None, str(error), own))
             understood.append([])
         else:
-            given.append((name, (data, instrument), ""))
+            given.append((name, (data, instrument), "", own))
             understood.append(raw.understood())
-    warn_of_interactions(case_of(system), "fit", depth=1)
+    warn_of_interactions(first, "fit", depth=1)
     if joint:
         names = None if shared is None else list(shared)
-        together = _fakir.fit_jointly(case_of(system), given, list(free), names, starts, run)
+        together = _fakir.fit_jointly(first, given, list(free), names, starts, run)
         found = JointFit(together, understood)
         warn(together.warnings, depth=1)
         if not found.converged:
             raise NotConverged(f"the joint fit {found._summary['termination']}", found)
         return found
-    fitted = _fakir.fit_curves(case_of(system), given, list(free), starts, run)
+    fitted = _fakir.fit_curves(first, given, list(free), starts, run)
     result = Fits(fitted, understood)
     if all(curve.fit is None for curve in result.curves):
         raise FitError("; ".join(dict.fromkeys(str(curve.problem) for curve in result.curves)))

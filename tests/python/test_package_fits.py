@@ -133,3 +133,38 @@ def test_bad_input(system):
         fakir.fit_many(FILES, system, FREE, joint=True, shared=["force_offset"])
     with pytest.raises(fakir.FitError, match="cannot read"):
         fakir.fit_many([FILES[0], "missing.csv"], system, FREE, joint=True)
+
+
+def test_a_joint_fit_of_adhesive_pillars_and_a_flat_reference():
+    """Modulus and work of adhesion of both, 2 MPa and 50 mJ/m^2; contact points of 1 um and 0.3 um."""
+    rubber = fakir.Substrate("2 MPa", 0.5)
+    flat = fakir.problem(fakir.Lens("2.2 mm", "2 MPa", 0.5), rubber, fakir.Flat(), adhesion="50 mJ/m2")
+    pillars = fakir.System.from_file(EXAMPLES / "adhesive.toml")
+    random = np.random.default_rng(1)
+    curves, systems = {}, []
+    for name, system, to, point, noise in [("flat", flat, 5e-6, 1e-6, 2e-6), ("pillars", pillars, 6e-7, 3e-7, 2e-7)]:
+        steps = system.cycle(to=to).to_pandas()
+        branches, displacements, forces = [], [], []
+        for branch in ("loading", "unloading"):
+            of_branch = steps[steps["branch"] == branch]
+            places, values = (of_branch[name].to_numpy() for name in ("indentation_m", "force_N"))
+            order = np.argsort(places, kind="stable")
+            low, high = places.min(), places.max()
+            at = low + (high - low) * (np.arange(50) + 0.5) / 50
+            at = at if branch == "loading" else at[::-1]
+            branches += [branch] * 50
+            displacements += list(at + point)
+            forces += list(np.interp(at, places[order], values[order]) + noise * random.normal(size=50))
+        curves[name] = {"branch": branches, "displacement_m": displacements, "force_N": forces}
+        systems.append(system.replace({"substrate.young_modulus": "2.5 MPa", "adhesion.work": "40 mJ/m2"}))
+    free = ["substrate.young_modulus", "adhesion.work", "contact_point"]
+    found = fakir.fit_many(curves, systems, free, joint=True)
+    for name, truth in [("substrate.young_modulus", 2e6), ("adhesion.work", 50e-3)]:
+        low, high = found[name].interval
+        assert low < truth < high and high - low < 0.04 * truth
+    for curve, point in zip(found.curves, [1e-6, 3e-7], strict=True):
+        low, high = curve.fit["contact_point"].interval
+        assert low < point < high
+    assert found.agreement.agree
+    with pytest.raises(ValueError, match="2 systems for 1 curves"):
+        fakir.fit_many({"flat": curves["flat"]}, systems, free, joint=True)

@@ -1079,9 +1079,10 @@ pub(crate) struct Fit {
     /// Use loads up to this one
     #[arg(long, value_name = "LOAD", allow_hyphen_values = true)]
     to: Option<String>,
-    /// Case file (TOML) with all known quantities and the initial values; `-` for standard input
-    #[arg(long)]
-    case: PathBuf,
+    /// Case file (TOML) with all known quantities and the initial values; `-` for standard input; of files measured on several surfaces, as pillars and a
+    /// flat reference, repeated: one for every file, in the same order
+    #[arg(long, required = true)]
+    case: Vec<PathBuf>,
     /// Free parameters: substrate.young_modulus, lens.young_modulus, lens.radius,
     /// substrate.thickness, lens.thickness, pattern.pillar.height, pattern.pillar.diameter, pattern.top_radius,
     /// pattern.pitch, pattern.offset, pattern.offset_angle, surface.height_unit, surface.height_range, adhesion.work, adhesion.work_receding, contact_point, machine_compliance,
@@ -1154,9 +1155,25 @@ pub(crate) struct Fit {
 }
 
 impl Fit {
+    /// Cases of single files: one for every file, or none if all have the same.
+    pub(crate) fn cases(&self) -> Result<Vec<CaseFile>, Failure> {
+        let (cases, files) = (self.case.len(), self.data.len());
+        if cases == 1 {
+            return Ok(Vec::new());
+        }
+        if cases != files {
+            return Err(Failure::Argument(format!(
+                "{cases} cases for {files} files: give one --case for all files, or one for every file"
+            )));
+        }
+        let read = |path: &PathBuf| crate::case_file(path, &self.set);
+        self.case.iter().map(read).collect()
+    }
+
+    /// The case, of several the first.
     pub(crate) fn case(&self) -> CaseArguments {
         CaseArguments {
-            case: self.case.clone(),
+            case: self.case[0].clone(),
             set: self.set.clone(),
             json: self.json,
             output: self.output.clone(),

@@ -143,7 +143,10 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let session = Session::start(&options.run, case.quiet)?;
     // The data are read before the case, and the folder is checked before the computation.
     let one = match &options.data[..] {
-        [path] if !options.joint => Some(options.measurements(path)?),
+        [path] if !options.joint => {
+            options.cases()?;
+            Some(options.measurements(path)?)
+        }
         _ => None,
     };
     let file = read_case(&case)?;

@@ -344,18 +344,24 @@ impl FittedCurves {
     }
 }
 
-/// A curve: its name, its data with the values of the instrument, or why there are none.
-type GivenCurve<'py> = (String, Option<(PyRef<'py, Data>, Instrument)>, String);
+/// A curve: its name, its data with the values of the instrument, or why there are none, and its case, if it is not the common one.
+type GivenCurve<'py> = (
+    String,
+    Option<(PyRef<'py, Data>, Instrument)>,
+    String,
+    Option<Fittable<'py>>,
+);
 
-fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> Vec<MeasuredCurve> {
-    let one = |(name, given, problem): GivenCurve<'_>| MeasuredCurve {
-        name,
-        data: match given {
+fn given_curves(curves: Vec<GivenCurve<'_>>, starts: usize) -> PyResult<Vec<MeasuredCurve>> {
+    let one = |(name, given, problem, case): GivenCurve<'_>| {
+        let case = case.map(|case| case.file("parameters")).transpose()?;
+        let data = match given {
             Some((data, instrument)) => {
                 Ok((data.measurements.clone(), fit_options(instrument, starts)))
             }
             None => Err(FitError::Unreadable(problem)),
-        },
+        };
+        Ok(MeasuredCurve { name, data, case })
     };
     curves.into_iter().map(one).collect()
 }
@@ -384,7 +390,7 @@ pub(crate) fn fit_curves(
 ) -> PyResult<FittedCurves> {
     let free = parameters(py, &free)?;
     let file = case.file("parameters")?;
-    let curves = given_curves(curves, starts);
+    let curves = given_curves(curves, starts)?;
     let start = Instant::now();
     let total = curves.len();
     let fitted = watched_parts(py, &options, total, |run, done| {
@@ -418,7 +424,7 @@ pub(crate) fn fit_jointly(
         Some(names) => parameters(py, &names)?,
     };
     let file = case.file("parameters")?;
-    let curves = given_curves(curves, starts);
+    let curves = given_curves(curves, starts)?;
     let start = Instant::now();
     let total = curves.len();
     let joint = watched_parts(py, &options, total, |run, done| {

@@ -14,7 +14,7 @@ use fakir_inverse::fit::{
     JointSummary, MeasuredCurve, OUTLIER_SCORE, Parameter, Quantity, Statistics, fit_curves,
     fit_jointly, method_name,
 };
-use fakir_study::answer::{Described, described};
+use fakir_study::answer::described;
 use fakir_study::figures::saved;
 use fakir_study::output::File;
 use fakir_study::provenance::Provenance;
@@ -32,6 +32,7 @@ pub(crate) fn run(
 ) -> Result<Fitted, Failure> {
     let start = Instant::now();
     let curves = read(options)?;
+    let surfaces = surfaces(&curves)?;
     // The case is checked before the first curve: an error of it is reported once.
     let method = method_name(file)?;
     let bar = session.count("curves", curves.len());
@@ -50,7 +51,11 @@ pub(crate) fn run(
     let (misfits, warnings) = sorted_warnings(&fitted);
     let report = Report {
         json: json(&CurvesSummary::new(method, &fitted, wall_time)),
-        text: text(&case, &fitted, wall_time),
+        text: text(
+            &surfaces.unwrap_or_else(|| case.lines.join("\n")),
+            &fitted,
+            wall_time,
+        ),
         provenance,
         tables,
         warnings,
@@ -68,6 +73,7 @@ pub(crate) fn joint(
 ) -> Result<Fitted, Failure> {
     let start = Instant::now();
     let curves = read(options)?;
+    let surfaces = surfaces(&curves)?;
     let method = method_name(file)?;
     let shared = options.shared();
     let bar = session.count("curves", curves.len());
@@ -92,7 +98,11 @@ pub(crate) fn joint(
     }
     let report = Report {
         json: json(&JointSummary::new(method, &fitted, wall_time)),
-        text: text_of_joint(&case, &fitted, wall_time),
+        text: text_of_joint(
+            &surfaces.unwrap_or_else(|| case.lines.join("\n")),
+            &fitted,
+            wall_time,
+        ),
         provenance,
         tables,
         warnings,
@@ -100,6 +110,19 @@ pub(crate) fn joint(
         exceeded,
     };
     Ok(Fitted { report, misfits })
+}
+
+/// Surface and method of every curve, if curves have cases of their own.
+fn surfaces(curves: &[MeasuredCurve]) -> Result<Option<String>, Failure> {
+    let mut lines = Vec::new();
+    for (number, curve) in curves.iter().enumerate() {
+        let Some(case) = &curve.case else {
+            return Ok(None);
+        };
+        let [surface, method] = described(&case.any_case(&[Question::Fit])?)?.lines;
+        lines.push(format!("{}  {surface}; {method}", number + 1));
+    }
+    Ok(Some(lines.join("\n")))
 }
 
 /// The data of all files, or why they cannot be read.
@@ -112,7 +135,8 @@ fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
             )));
         }
     }
-    let one = |path: &PathBuf| {
+    let cases = options.cases()?;
+    let one = |(number, path): (usize, &PathBuf)| {
         let data = match options.measurements(path) {
             Ok(data) => {
                 let known = options.known(&data);
@@ -124,9 +148,10 @@ fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
         Ok(MeasuredCurve {
             name: path.display().to_string(),
             data,
+            case: cases.get(number).cloned(),
         })
     };
-    options.data.iter().map(one).collect()
+    options.data.iter().enumerate().map(one).collect()
 }
 
 /// If there is no fit of any curve, prints the errors of all but the last one, which it returns. An error that all curves have in common
@@ -341,17 +366,15 @@ fn curves_table(parameters: &[(usize, Parameter)], curves: &[CurveFit]) -> Strin
     table(&lines, &columns)
 }
 
-fn text(case: &Described, fitted: &CurveFits, wall_time: f64) -> String {
+fn text(surfaces: &str, fitted: &CurveFits, wall_time: f64) -> String {
     let failed: Vec<&CurveFit> = fitted.failed().collect();
     let of_failed = match failed.len() {
         0 => String::new(),
         count => format!(", {count} without a result"),
     };
     let mut text = format!(
-        "{} curves, each fitted separately{of_failed}\n{}\n{}, in {}\n\n",
+        "{} curves, each fitted separately{of_failed}\n{surfaces}, in {}\n\n",
         fitted.curves.len(),
-        case.lines[0],
-        case.lines[1],
         seconds(wall_time)
     );
     let all: Vec<(usize, Parameter)> = fitted.free.iter().copied().enumerate().collect();
@@ -411,12 +434,10 @@ fn mean_words(parameter: Parameter, mean: f64, error: Option<f64>) -> String {
     }
 }
 
-fn text_of_joint(case: &Described, fitted: &JointFit, wall_time: f64) -> String {
+fn text_of_joint(surfaces: &str, fitted: &JointFit, wall_time: f64) -> String {
     let mut text = format!(
-        "{} curves, fitted together\n{}\n{}, {} in {} steps, in {}\n\nshared by all curves\n{}",
+        "{} curves, fitted together\n{surfaces}, {} in {} steps, in {}\n\nshared by all curves\n{}",
         fitted.curves.len(),
-        case.lines[0],
-        case.lines[1],
         fitted.termination.description(),
         fitted.iterations,
         seconds(wall_time),

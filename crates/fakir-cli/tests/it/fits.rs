@@ -506,3 +506,132 @@ fn several_files_are_fitted_together() {
         "error: force_offset is shared, but not free: make it free too\n"
     );
 }
+
+/// Curves at even steps of the displacement with a contact point (um) and normal noise (uN) of the loading and the unloading of a cycle.
+fn measured(cycle: &str, contact_point: f64, noise: f64, seed: u64) -> String {
+    const ROWS: usize = 50;
+    let mut state = seed;
+    // Twelve uniform numbers have a variance of one.
+    let mut normal = || {
+        let uniform = |_| {
+            state = state * 48_271 % 2_147_483_647;
+            state as f64 / 2_147_483_647.0
+        };
+        (0..12).map(uniform).sum::<f64>() - 6.0
+    };
+    let mut text = "branch,displacement_um,force_uN\n".to_owned();
+    for branch in ["loading", "unloading"] {
+        let of_branch = |line: &str| {
+            let mut cells = line.split(',');
+            let is_of = cells.next() == Some(branch);
+            let mut number = || cells.next()?.parse::<f64>().ok();
+            is_of.then(|| Some([number()?, number()?])).flatten()
+        };
+        let mut points: Vec<[f64; 2]> = cycle.lines().filter_map(of_branch).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let [low, high] = [points[0][0], points[points.len() - 1][0]];
+        for row in 0..ROWS {
+            let part = (row as f64 + 0.5) / ROWS as f64;
+            let part = if branch == "loading" {
+                part
+            } else {
+                1.0 - part
+            };
+            let at = low + part * (high - low);
+            let next = points.partition_point(|point| point[0] < at);
+            let [[x, f], [next_x, next_f]] = [points[next - 1], points[next]];
+            let force = f + (next_f - f) * (at - x) / (next_x - x);
+            let [displacement, force] = [1e6 * at + contact_point, 1e6 * force + noise * normal()];
+            text += &format!("{branch},{displacement:.6},{force:.6}\n");
+        }
+    }
+    text
+}
+
+/// Two cycles on adhesive pillars and one on a flat sample of the same rubber: modulus and work of adhesion of all of them, 2 MPa and 50 mJ/m^2, and a
+/// contact point for each.
+#[test]
+fn pillars_and_a_flat_reference_are_fitted_together() {
+    let bench = Bench::new();
+    let flat = std::fs::read_to_string(example("flat.toml")).unwrap();
+    bench.write(
+        "flat.toml",
+        &flat.replace("work_receding", "# work_receding"),
+    );
+    let pillars = example("adhesive.toml");
+    let made = [
+        ("flat", "flat.toml", "5um", 2.0),
+        ("pillars", &pillars, "0.6um", 0.2),
+    ];
+    let points = [1.0, 0.3, -0.7];
+    let mut files = Vec::new();
+    for (name, case, to, noise) in made {
+        bench.result(&["cycle", case, "--to", to, "--quiet", "--output", name]);
+        let cycle = bench.read(&format!("{name}/cycle.csv"));
+        for _ in 0..if name == "flat" { 1 } else { 2 } {
+            let file = format!("{}.csv", files.len());
+            let seed = 1 + files.len() as u64;
+            bench.write(&file, &measured(&cycle, points[files.len()], noise, seed));
+            files.push(file);
+        }
+    }
+    let names: Vec<&str> = files.iter().map(|file| &file[..]).collect();
+    let mut options = vec![
+        "--free",
+        "substrate.young_modulus,adhesion.work,contact_point",
+    ];
+    options.extend(["--set", "substrate.young_modulus=2.5MPa"]);
+    options.extend(["--set", "adhesion.work=40mJ/m2", "--joint", "--quiet"]);
+    let with_cases = |cases: &[&'static str]| {
+        let mut arguments: Vec<String> = several(&names, &options)
+            .into_iter()
+            .map(str::to_owned)
+            .collect();
+        for case in cases {
+            let case = if *case == "flat" {
+                "flat.toml"
+            } else {
+                &pillars
+            };
+            arguments.extend(["--case".to_owned(), case.to_owned()]);
+        }
+        arguments
+    };
+    let arguments = with_cases(&["flat", "pillars", "pillars"]);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = bench.json(&arguments);
+    let shared = ["substrate.young_modulus", "adhesion.work"];
+    assert_eq!(result["shared"], serde_json::json!(shared));
+    let is_near = |estimate: &Value, suffix: &str, truth: f64| {
+        let [value, error] = ["value", "standard_error"]
+            .map(|name| estimate[format!("{name}{suffix}")].as_f64().unwrap());
+        assert!((value - truth).abs() < 3.0 * error, "{truth}: {estimate}");
+        assert!(error < 0.01 * truth.abs(), "{truth}: {estimate}");
+    };
+    is_near(&result["parameters"][0], "_Pa", 2e6);
+    is_near(&result["parameters"][1], "_J_per_m2", 50e-3);
+    for (curve, point) in points.into_iter().enumerate() {
+        is_near(
+            &result["curves"][curve]["fit"]["parameters"][2],
+            "_m",
+            1e-6 * point,
+        );
+    }
+    assert_eq!(result["agreement"]["agree"], true, "{result}");
+    let text = bench.result(&arguments);
+    let lines: Vec<&str> = text.lines().collect();
+    assert!(
+        lines[1].starts_with("1  flat surface under a sphere"),
+        "{text}"
+    );
+    assert!(lines[2].starts_with("2  surface fraction 0.03"), "{text}");
+    let arguments = with_cases(&["flat", "pillars"]);
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let outcome = bench.run(&arguments);
+    assert_eq!(outcome.status, Some(2));
+    assert!(
+        outcome.stderr.contains("2 cases for 3 files"),
+        "{}",
+        outcome.stderr
+    );
+}

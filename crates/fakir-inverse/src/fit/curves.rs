@@ -19,6 +19,8 @@ pub struct MeasuredCurve {
     pub name: String,
     /// The data with the options of the fit, or why they cannot be read.
     pub data: Result<(Measurements, FitOptions), FitError>,
+    /// Its case, if it was measured on another surface than the others.
+    pub case: Option<CaseFile>,
 }
 
 /// A fitted curve.
@@ -114,7 +116,7 @@ impl CurveFits {
     }
 }
 
-/// Fits the free parameters to every curve separately. The threads of `run` share the curves, and the rows of each. `done` is called after
+/// Fits the free parameters to every curve separately, with its own case or the common one. The threads of `run` share the curves, and the rows of each. `done` is called after
 /// each curve.
 ///
 /// # Errors
@@ -139,6 +141,7 @@ pub fn fit_curves(
             if run.cancel.is_cancelled() {
                 return Err(SolveError::Interrupted.into());
             }
+            let file = curve.case.as_ref().unwrap_or(file);
             let fit = fit(file, &data, free, &options, &of_one)?;
             Ok(FittedData {
                 data,

@@ -129,8 +129,9 @@ pub fn shared_by_default(free: &[Parameter]) -> Vec<Parameter> {
     free.iter().copied().filter(of_sample).collect()
 }
 
-/// Fits the free parameters to all curves together: those in `shared` have one value, the others a value for every curve. The threads of
-/// `run` share the rows of a curve. `done` is called after the separate fit of every curve.
+/// Fits the free parameters to all curves together: those in `shared` have one value, the others a value for every curve. A curve may have a case of its
+/// own: pillars and a flat reference of the same material share modulus and work of adhesion. The threads of `run` share the rows of a curve. `done` is
+/// called after the separate fit of every curve.
 ///
 /// # Errors
 /// See [`FitError`]: the curves must contain the same quantities, and all of them must be read.
@@ -143,19 +144,19 @@ pub fn fit_jointly(
     done: &(dyn Fn() + Sync),
 ) -> Result<JointFit, FitError> {
     let start = Instant::now();
-    file.check_surface(&[Question::Fit])?;
     check_shared(free, shared)?;
     if curves.is_empty() {
         return Err(FitError::NoCurves);
     }
-    let mut names = Vec::new();
+    let (mut names, mut cases) = (Vec::new(), Vec::new());
     let mut given: Vec<(Measurements, FitOptions)> = Vec::new();
     for curve in curves {
         given.push(curve.data.map_err(|error| error.of_curve(&curve.name))?);
         names.push(curve.name);
+        cases.push(curve.case.unwrap_or_else(|| file.clone()));
     }
     check_quantities(&names, &given)?;
-    let models = models(file, &names, &given, free, shared, run)?;
+    let models = models(&cases, &names, &given, free, shared, run)?;
     let separate = separate_fits(&models, &names, &given, run, done);
     let (separate, ended): (Vec<Search<'_>>, Vec<Termination>) = separate?.into_iter().unzip();
     let all_converged = ended.iter().all(|ended| *ended == Termination::Converged);
@@ -230,7 +231,7 @@ fn check_quantities(
 
 /// The models of all curves, in which the unknown of a shared parameter means the same value.
 fn models<'a>(
-    file: &'a CaseFile,
+    cases: &'a [CaseFile],
     names: &[String],
     given: &'a [(Measurements, FitOptions)],
     free: &'a [Parameter],
@@ -238,8 +239,11 @@ fn models<'a>(
     run: &Run<'a>,
 ) -> Result<Vec<Model<'a>>, FitError> {
     let mut models: Vec<Model<'a>> = Vec::new();
-    for (name, (data, options)) in names.iter().zip(given) {
-        let model = check(file, data, free, options)
+    for ((name, file), (data, options)) in names.iter().zip(cases).zip(given) {
+        let model = file
+            .check_surface(&[Question::Fit])
+            .map_err(FitError::from)
+            .and_then(|()| check(file, data, free, options))
             .and_then(|()| Model::new(file, data, free, options, run))
             .map_err(|error| error.of_curve(name))?;
         models.push(model);

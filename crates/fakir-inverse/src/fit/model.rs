@@ -318,7 +318,10 @@ impl<'a> Model<'a> {
             wants_radius,
             is_adhesive,
             stretches: stretches(data, &orders),
-            attached: attached(data, &orders),
+            attached: {
+                let is_known = !free.contains(&Parameter::ForceOffset);
+                attached(data, &orders, is_known.then_some(options.force_offset))
+            },
             orders,
             branches,
             moments: moments(data),

@@ -39,6 +39,7 @@ fn curve(name: &str, data: Measurements) -> MeasuredCurve {
     MeasuredCurve {
         name: name.to_owned(),
         data: Ok((data, options)),
+        case: None,
     }
 }
 
@@ -138,6 +139,7 @@ fn curves_that_cannot_be_fitted_are_named_and_the_others_fitted() {
             data: Err(FitError::Unreadable(
                 "missing.csv: cannot read: not found".to_owned(),
             )),
+            case: None,
         },
         curve("few.csv", few.unwrap()),
         curve("too.csv", noisy(&truth, 2, 0.0)),
@@ -394,6 +396,7 @@ fn what_cannot_be_fitted_together_says_why() {
         data: Err(FitError::Unreadable(
             "missing.csv: cannot read: no file".to_owned(),
         )),
+        case: None,
     };
     let told = refused(vec![good(), missing], &[SUBSTRATE]);
     assert_eq!(told, "missing.csv: cannot read: no file");
