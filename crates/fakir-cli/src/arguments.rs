@@ -2,6 +2,7 @@
 
 use crate::failure::Failure;
 use crate::session::{RunArguments, memory};
+use crate::standard::case_file;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
 use fakir::state::Branch;
@@ -1166,7 +1167,7 @@ impl Fit {
                 "{cases} cases for {files} files: give one --case for all files, or one for every file"
             )));
         }
-        let read = |path: &PathBuf| crate::case_file(path, &self.set);
+        let read = |path: &PathBuf| case_file(path, &self.set);
         self.case.iter().map(read).collect()
     }
 

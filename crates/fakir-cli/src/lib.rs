@@ -16,7 +16,6 @@ use clap::Parser;
 use failure::{Failure, Status};
 use fakir::problem::Question;
 use fakir::theory::prony::FittedRelaxation;
-use fakir_case::input::LARGEST_CASE;
 use fakir_case::unit::Dimension;
 use fakir_case::{AnyCase, Case, CaseFile};
 use fakir_study::answer::{Details, Request, Running};
@@ -25,7 +24,6 @@ use fakir_study::numbers;
 use fakir_study::report::Report;
 use session::Session;
 use std::ffi::OsString;
-use std::path::Path;
 
 /// Runs the command with its arguments, the first of which is its name, and returns its exit status.
 ///
@@ -275,26 +273,14 @@ fn deliver(
 }
 
 fn read_case(options: &CaseArguments) -> Result<CaseFile, Failure> {
-    case_file(&options.case, &options.set)
-}
-
-fn case_file(path: &Path, set: &[String]) -> Result<CaseFile, Failure> {
-    let mut file = if path.as_os_str() == "-" {
-        CaseFile::from_bytes(standard::INPUT, standard::read(LARGEST_CASE)?)?
-    } else {
-        CaseFile::read(path)?
-    };
-    for argument in set {
-        file.set(argument)?;
-    }
-    Ok(file)
+    standard::case_file(&options.case, &options.set)
 }
 
 /// The initial case: that of a file, or the one that `fakir init` writes.
 #[cfg(feature = "explore")]
 fn explored_case(options: &arguments::Explore) -> Result<AnyCase, Failure> {
     let file = match &options.case {
-        Some(path) => case_file(path, &options.set)?,
+        Some(path) => standard::case_file(path, &options.set)?,
         None => {
             let mut file = CaseFile::parse("the case of fakir init", &Case::example().to_toml())?;
             for argument in &options.set {
