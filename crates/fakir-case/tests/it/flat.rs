@@ -103,7 +103,7 @@ fn keys_of_pillars_and_other_surfaces_are_refused_at_their_line() {
 }
 
 #[test]
-fn lenses_without_a_disc_of_contact_and_punches_on_pillars_are_refused() {
+fn lenses_without_a_disc_of_contact_and_punches_across_pillars_are_refused() {
     let of_shape = |shape: &str, rest: &str| {
         let lens = format!("[lens]\nshape = \"{shape}\"");
         refused(&format!("{}{rest}", BODIES.replace("[lens]", &lens)))
@@ -115,7 +115,7 @@ fn lenses_without_a_disc_of_contact_and_punches_on_pillars_are_refused() {
     );
     let message = of_shape("punch", PILLARS);
     assert!(
-        message.contains("lens.shape") && message.contains("on a flat surface only"),
+        message.contains("lens.radius") && message.contains("its edge crosses none"),
         "{message}"
     );
     let message = refused(&BODIES.replace("\"2.2 mm\"", "\"-2.2 mm\""));

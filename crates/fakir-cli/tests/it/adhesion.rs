@@ -219,7 +219,7 @@ fn what_cannot_be_is_refused() {
                 "--attraction-range",
                 "5nm",
             ],
-            "whether the range of the attraction is short depends",
+            "--attraction-range needs adhesive pillar tops",
         ),
         (
             &["approach", &case, "--attraction-range", "5nm"],

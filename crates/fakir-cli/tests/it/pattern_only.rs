@@ -15,8 +15,7 @@ fn folder(name: &str) -> std::path::PathBuf {
 fn commands_that_do_not_support_a_surface_name_one_that_does() {
     let case = folder("square-pillars.toml");
     let case = case.to_str().expect("a path in UTF-8");
-    let gradient = ["transition", case, "--gradient"];
-    let asked: [(&[&str], &str, &str); 5] = [
+    let asked: [(&[&str], &str, &str); 3] = [
         (
             &["compare", case],
             "only one method, boundary elements",
@@ -28,17 +27,8 @@ fn commands_that_do_not_support_a_surface_name_one_that_does() {
             "hundreds of samples",
             "`sweep`",
         ),
-        (&gradient, "in steps of cells", "`sweep`"),
-        (
-            &["explore", case, "--no-browser"],
-            "milliseconds",
-            "`press`",
-        ),
     ];
     for (arguments, reason, instead) in asked {
-        if arguments[0] == "explore" && !cfg!(feature = "explore") {
-            continue;
-        }
         let output = Command::new(env!("CARGO_BIN_EXE_fakir"))
             .args(arguments)
             .output()

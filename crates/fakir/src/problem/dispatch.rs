@@ -410,7 +410,7 @@ static RULES: &[Rule] = &[
         &[Question::Transition, Question::Compare, Question::Spread],
         ON_PILLARS,
         &[WITHOUT_AXIS],
-        "a cylinder, a plate or a punch has no transition: it is not closest to the floor on its axis",
+        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars; nor has a punch, which is as close everywhere",
         "prescribe an indentation or a force",
     )),
     rule(
@@ -487,7 +487,7 @@ static RULES: &[Rule] = &[
         &[Question::Transition, Question::Spread],
         ASPERITIES,
         &[WITHOUT_AXIS],
-        "a cylinder, a plate or a punch has no transition: it is not closest to the floor on its axis",
+        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars; nor has a punch, which is as close everywhere",
         "prescribe an indentation or a force",
     )),
     rule(
