@@ -198,10 +198,10 @@ fn saved_fields_are_a_case_again() {
 fn a_punch_covers_one_pillar_of_a_pattern_whose_floor_is_ignored() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("case.toml");
-    let text = std::fs::read_to_string(example("square-pillars.toml")).unwrap();
+    let case_text = std::fs::read_to_string(example("square-pillars.toml")).unwrap();
     let square = "cross_section = \"square\"      # or \"circle\", \"polygon\", \"ellipse\"\nside = \"6 um\"";
-    assert!(text.contains(square));
-    let round = text.replace(square, "cross_section = \"circle\"\ndiameter = \"6 um\"");
+    assert!(case_text.contains(square));
+    let round = case_text.replace(square, "cross_section = \"circle\"\ndiameter = \"6 um\"");
     std::fs::write(&case, round).unwrap();
     let settings = [
         "--json",
