@@ -206,7 +206,7 @@ fn a_punch_covers_one_pillar_of_a_pattern_whose_floor_is_ignored() {
     let settings = [
         "--json",
         "--indentation",
-        "0.6um",
+        "2um",
         "--set",
         "lens.shape=punch",
         "--set",
@@ -221,7 +221,7 @@ fn a_punch_covers_one_pillar_of_a_pattern_whose_floor_is_ignored() {
     let output = fakir("press", &case, &settings);
     let contact = json(&output);
     // E* = 4/3 MPa of two bodies of 2 MPa.
-    let sneddon = 2.0 * (4.0 / 3.0 * 1e6) * 3e-6 * 0.6e-6;
+    let sneddon = 2.0 * (4.0 / 3.0 * 1e6) * 3e-6 * 2e-6;
     let away = (number(&contact, "/force_N") / sneddon - 1.0).abs();
     let error = number(&contact, "/relative_error_estimate/force");
     assert!(away < error && error < 0.05, "{away:e} {error:e}");
