@@ -28,7 +28,8 @@ pub struct Verification {
     pub force: Difference,
     /// Relative difference of the indentation with elements from that of the spectral method.
     pub indentation: Difference,
-    /// Relative difference of the area in contact on tops and floor, with adhesion; `None` without.
+    /// Relative difference of the area in contact on tops and floor, with adhesion; `None` without, and where the stated errors
+    /// leave no digit.
     pub area: Option<Difference>,
     /// Relative difference of the fraction of the load carried by the floor; `None` if the floor carries no load.
     pub floor_share: Option<Difference>,
@@ -303,7 +304,9 @@ pub fn verify(
     };
     let areas = [fine, &spectral].map(|state| state.areas().whole());
     Ok(Verification {
-        area: is_adhesive.then(|| areas[0].against(areas[1])),
+        area: is_adhesive
+            .then(|| areas[0].against(areas[1]))
+            .filter(|area| area.allowed <= NO_DIGITS),
         force: Difference::of(
             fine.force,
             spectral.force,
@@ -589,26 +592,28 @@ mod tests {
     }
 
     /// Past the transition, on the floor between adhesive tops.
-    fn agree_on_the_floor(adhesion: Adhesion) {
+    fn agree_on_the_floor(adhesion: Adhesion) -> Verification {
         let sphere = under(LensShape::Sphere { radius: 0.3e-3 }, 3);
         let adhesive = sphere.with_adhesion(adhesion).unwrap();
         let (load, run) = (Load::Indentation(4.5e-6), Run::default());
         let found = verify(&adhesive, load, ElementMesh::default(), &run).unwrap();
-        let (area, share) = (found.area.unwrap(), found.floor_share.unwrap());
-        println!("{:?} {area:?} {share:?}", found.force);
+        let share = found.floor_share.unwrap();
+        println!("{:?} {:?} {share:?}", found.force, found.area);
         assert_eq!(found.verdict(), Verdict::Agree);
-        for difference in [found.force, area, share] {
+        for difference in [found.force, share] {
             assert!(difference.allowed < 0.4, "{difference:?}");
         }
+        found
     }
 
     /// A floor without adhesion carries pressures.
     #[test]
     fn both_methods_agree_on_the_floor_between_adhesive_tops() {
-        agree_on_the_floor(Adhesion::new(10e-3));
+        let found = agree_on_the_floor(Adhesion::new(10e-3));
+        assert!(found.area.unwrap().allowed < 0.4);
     }
 
-    /// An adhesive floor is bonded up to annuli around the pillars.
+    /// An adhesive floor is bonded up to annuli around the pillars. Its stated area has no digit, and is not compared.
     #[test]
     #[ignore = "slow: an adhesive floor by both methods"]
     fn both_methods_agree_on_an_adhesive_floor() {
