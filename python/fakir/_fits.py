@@ -358,7 +358,7 @@ def fit_many(
     given: list[tuple[str, tuple[_fakir.Data, Instrument] | None, str, _Case | None]] = []
     understood: list[list[str]] = []
     pairs = named(curves)
-    systems = list(system) if isinstance(system, (list, tuple)) else [system]
+    systems: list[AnySystem] = list(system) if isinstance(system, Sequence) else [system]
     if len(systems) not in (1, len(pairs)):
         raise ValueError(f"{len(systems)} systems for {len(pairs)} curves: give one for all, or one for every curve")
     first = case_of(systems[0])

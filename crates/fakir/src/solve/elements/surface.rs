@@ -25,7 +25,7 @@
 //! multiplied by three. Measured heights are averaged on the larger cells, so that the estimate includes the effect of the shortest
 //! wavelengths.
 //!
-//! With [adhesion](super::adhesive) the whole loading is followed on cells of twice the size and on all. How well cells follow its edges depends on
+//! With adhesion the whole loading is followed on cells of twice the size and on all. How well cells follow its edges depends on
 //! chance, so that the estimate is twice the difference (three times on round tops), and at least the accuracy of the laws by which edges move.
 //!
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
