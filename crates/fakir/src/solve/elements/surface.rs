@@ -195,7 +195,7 @@ impl SurfaceSystem {
     /// // A lens on a flat surface: F = -3/2 pi w R (Johnson, Kendall and Roberts).
     /// let rubber = Material::new(2.0e6, 0.5);
     /// let lens = Indenter::from(Lens { radius: 1.0e-3, material: rubber });
-    /// let flat = HeightMap::from_height(Grid::centred(64, 64, 2.0e-6)?, |_| 0.0)?;
+    /// let flat = HeightMap::from_height(Grid::centred(64, 64, 4.0e-6)?, |_| 0.0)?;
     /// let system = SurfaceSystem::new(lens, rubber, flat, Boundary::FreeSpace)?;
     /// let adhesive = system.with_adhesion(Adhesion::new(50e-3))?;
     /// let turn = UnloadingPoint::Indentation(0.2e-6);
