@@ -194,6 +194,39 @@ fn a_punch_on_a_flat_map_is_that_of_sneddon() {
     assert!(contact.warnings.is_empty(), "{:?}", contact.warnings);
 }
 
+/// Kendall's flat punch, F = sqrt(8 pi w E* a^3) (J. Phys. D 4, 1186 (1971)), as a lens that ends and as a plate that is tilted by nearly nothing on a pillar.
+#[test]
+fn adhesive_cycles_under_flat_ends_are_those_of_kendall() {
+    let run = Run::default();
+    let radius: f64 = 10e-6;
+    let work = 10e-3;
+    let top = |[x, y]: [f64; 2]| if x.hypot(y) <= radius { 0.0 } else { -2e-6 };
+    let tilted = LensShape::Plate {
+        tilt: 1e-7,
+        direction: 0.0,
+    };
+    for (shape, heights) in [
+        (LensShape::Punch { radius }, map(48, 0.5e-6, |_| 0.0)),
+        (tilted, map(48, 0.5e-6, top)),
+    ] {
+        let lens = Indenter::from(ShapedLens::new(shape, RUBBER));
+        let system = SurfaceSystem::new(lens, RUBBER, heights, Boundary::FreeSpace);
+        let system = system.expect("bodies").with_adhesion(Adhesion::new(work));
+        let system = system.expect("a work");
+        let plan = CyclePlan {
+            turn: UnloadingPoint::Indentation(0.1e-6),
+            ..CyclePlan::default()
+        };
+        let cycle = system.cycle(plan, &run).expect("a cycle");
+        let square = 8.0 * std::f64::consts::PI * work * system.reduced_modulus();
+        let kendall = -(square * radius.powi(3)).sqrt();
+        let found = cycle.pull_off.expect("tension").force;
+        let error = cycle.errors.expect("an estimate").pull_off_force;
+        let away = (found / kendall - 1.0).abs();
+        assert!(away < error && error < 0.2, "{away:e} {error:e}");
+    }
+}
+
 /// Without its floor a map carries what the spectral method gives without it, and says that the floor is passed; above it nothing changes.
 #[test]
 fn the_floor_of_a_map_can_be_ignored() {

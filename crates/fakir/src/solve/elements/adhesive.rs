@@ -415,8 +415,10 @@ impl<'a> Level<'a> {
             }
             Load::FloorContact => self.lowest_of_floor() - first,
         };
+        // A flat end, level or tilted, has no edge that rises with the load.
         let lens = self.system.indenter().lens();
-        let radius = lens.map_or(0.0, ShapedLens::apex_radius);
+        let radius = lens.map(ShapedLens::apex_radius);
+        let radius = radius.filter(|it| it.is_finite()).unwrap_or(0.0);
         let ratio = adhesion.receding() / self.system.reduced_modulus();
         // The edge of a contact is pulled up by about this much (Johnson, Kendall & Roberts).
         let edge = (TAU * ratio * (radius * (depth.max(0.0) + ratio)).sqrt()).sqrt();
