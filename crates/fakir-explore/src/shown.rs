@@ -7,7 +7,7 @@ use crate::request::{LoadPoint, expected_pillars};
 use crate::worker::{Failure, Worker};
 use fakir::problem::{
     Accuracy, Arrangement, CyclePlan, Disorder, FloorModel, Load, Method, PlaneLattice, Point,
-    Probe, System, UnloadingPoint,
+    System, UnloadingPoint,
 };
 use fakir::state::{
     AsperityContact, Branch, ContactState, Critical, FlatContact, Normalized, PillarStatus, Run,
@@ -541,11 +541,8 @@ impl Shown for FlatCase {
     }
 
     fn reference(&self) -> f64 {
-        FLAT_REFERENCE
-            * match self.system.probe() {
-                Probe::Lens(lens) => lens.radius().unwrap_or_else(|| lens.widest()),
-                Probe::Punch { radius, .. } => *radius,
-            }
+        let lens = self.system.lens();
+        FLAT_REFERENCE * lens.radius().unwrap_or_else(|| lens.widest())
     }
 
     fn find_critical(

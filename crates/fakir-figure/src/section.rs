@@ -2,7 +2,7 @@
 
 use crate::error::FigureError;
 use crate::patches::on_axis;
-use fakir::problem::{AsperityArray, FlatSystem, PlacedPillar, Point, Probe, ShapedLens};
+use fakir::problem::{AsperityArray, FlatSystem, PlacedPillar, Point, ShapedLens};
 use fakir::state::{AsperityContact, ContactState, FlatContact, Run};
 use std::collections::HashMap;
 
@@ -165,10 +165,9 @@ impl Section {
     /// Computes the section of a contact with a flat surface, whose height is 0.
     #[must_use]
     pub fn of_flat(system: &FlatSystem, contact: &FlatContact, detail: SectionDetail) -> Self {
-        let widest = match system.probe() {
-            Probe::Lens(lens) => 0.99 * lens.widest(),
-            Probe::Punch { radius, .. } => 4.0 * radius,
-        };
+        let lens = system.lens();
+        let punch = lens.punch_radius();
+        let widest = punch.map_or(0.99 * lens.widest(), |radius| 4.0 * radius);
         let radius = contact.contact_radius;
         let half_width = match radius > 0.0 {
             true => (2.5 * radius).min(widest),
@@ -182,13 +181,11 @@ impl Section {
         };
         let x = places(&[rim], half_width, radius, detail);
         let displacement = system.displacement(contact, &x);
-        let lens_share =
-            system.lens_material().plane_strain_compliance() * system.reduced_modulus();
+        let lens_share = lens.material.plane_strain_compliance() * system.reduced_modulus();
         // Beyond its edge a punch ends.
-        let sag = |x: f64| match system.probe() {
-            Probe::Lens(lens) => lens.sag([x, 0.0]),
-            Probe::Punch { radius, .. } if x.abs() > *radius => half_width,
-            Probe::Punch { .. } => 0.0,
+        let sag = |x: f64| match punch {
+            Some(radius) if x.abs() > radius => half_width,
+            _ => lens.sag([x, 0.0]),
         };
         let both = || x.iter().zip(&displacement);
         Self {

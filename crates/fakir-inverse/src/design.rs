@@ -93,41 +93,24 @@ impl Wanted {
     /// The same quantity of a contact. Without floor contact the floor share is zero.
     #[must_use]
     pub fn of(self, reached: &Reached) -> f64 {
-        match self {
-            Self::Force(_)
-            | Self::Pressed {
-                quantity: PressedQuantity::Force,
-                ..
-            } => reached.force(),
-            Self::PullOff { .. } => match reached.pull_off() {
+        match self.of_contact() {
+            Some(PressedQuantity::Force) => reached.force(),
+            Some(PressedQuantity::ContactRadius) => reached.contact_radius(),
+            None if self.is_share() => reached.floor_share().map_or(0.0, |[share, _]| share),
+            None => match reached.pull_off() {
                 Some(PulledOff { force, .. }) => -force,
                 None => reached.force(),
             },
-            Self::ContactRadius(_)
-            | Self::Pressed {
-                quantity: PressedQuantity::ContactRadius,
-                ..
-            } => reached.contact_radius(),
-            Self::FloorShare { .. } => reached.floor_share().map_or(0.0, |[share, _]| share),
         }
     }
 
     /// Dimension.
     #[must_use]
     pub fn dimension(self) -> Dimension {
-        match self {
-            Self::Force(_)
-            | Self::PullOff { .. }
-            | Self::Pressed {
-                quantity: PressedQuantity::Force,
-                ..
-            } => Dimension::Force,
-            Self::ContactRadius(_)
-            | Self::Pressed {
-                quantity: PressedQuantity::ContactRadius,
-                ..
-            } => Dimension::Length,
-            Self::FloorShare { .. } => Dimension::Fraction,
+        match (self.of_contact(), self) {
+            (Some(PressedQuantity::ContactRadius), _) => Dimension::Length,
+            (None, Self::FloorShare { .. }) => Dimension::Fraction,
+            _ => Dimension::Force,
         }
     }
 
@@ -157,14 +140,27 @@ impl Wanted {
         }
     }
 
+    /// The number of a contact, critical or under a load, that is the target; none for a floor share and a pull-off force.
+    fn of_contact(self) -> Option<PressedQuantity> {
+        match self {
+            Self::Force(_) => Some(PressedQuantity::Force),
+            Self::ContactRadius(_) => Some(PressedQuantity::ContactRadius),
+            Self::Pressed { quantity, .. } => Some(quantity),
+            Self::FloorShare { .. } | Self::PullOff { .. } => None,
+        }
+    }
+
+    /// Whether it is the force of a contact under a load, which must be an indentation.
+    fn is_pressed_force(self) -> bool {
+        let force = PressedQuantity::Force;
+        matches!(self, Self::Pressed { quantity, .. } if quantity == force)
+    }
+
     /// The loads at which it can be a target.
     fn loads(self) -> &'static str {
-        match self {
-            Self::Pressed {
-                quantity: PressedQuantity::Force,
-                ..
-            } => "an indentation",
-            _ => "a force or an indentation",
+        match self.is_pressed_force() {
+            true => "an indentation",
+            false => "a force or an indentation",
         }
     }
 
@@ -821,15 +817,7 @@ pub fn design(
         return Err(DesignError::NotPositive(wanted));
     }
     match wanted.load() {
-        Some(Load::Force(_))
-            if matches!(
-                wanted,
-                Wanted::Pressed {
-                    quantity: PressedQuantity::Force,
-                    ..
-                }
-            ) =>
-        {
+        Some(Load::Force(_)) if wanted.is_pressed_force() => {
             return Err(DesignError::NotALoad(wanted));
         }
         None if wanted.is_share() || matches!(wanted, Wanted::Pressed { .. }) => {
@@ -1022,12 +1010,9 @@ fn widest(case: &AnyCase) -> f64 {
         }
         AnyCase::HeightMap(_) => (f64::INFINITY, f64::INFINITY),
         AnyCase::Flat(flat) => {
-            let radius = case.number(Key::LensRadius);
-            let lens = flat.system.lens().map_or(f64::INFINITY, ShapedLens::widest);
-            (
-                radius.map_or(lens, |radius| radius.min(lens)),
-                f64::INFINITY,
-            )
+            let widest = flat.system.lens().widest();
+            let radius = case.number(Key::LensRadius).unwrap_or(widest);
+            (radius.min(widest), f64::INFINITY)
         }
     };
     widest.min(LARGEST_PITCHES * pitch)

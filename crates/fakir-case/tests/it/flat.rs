@@ -1,6 +1,6 @@
 //! Cases with a flat surface.
 
-use fakir::problem::{Adhesion, Base, Probe};
+use fakir::problem::{Adhesion, Base, LensShape};
 use fakir_case::{AnyCase, CaseFile, FlatCase, SurfaceKind};
 
 const BODIES: &str = r#"
@@ -43,7 +43,7 @@ fn refused(text: &str) -> String {
 #[test]
 fn without_pillars_and_without_a_surface_it_is_flat() {
     let case = flat(BODIES);
-    assert_eq!(case.system.shape_name(), "sphere");
+    assert_eq!(case.system.lens().shape_name(), "sphere");
     assert_eq!(case.system, flat(&format!("{BODIES}{FLAT}")).system);
     assert!(case.system.adhesion().is_none() && !case.system.has_layers());
     // A false flag, and pillars, are not a flat surface.
@@ -64,7 +64,7 @@ fn all_keys_of_bodies_and_adhesion_are_read_and_written_back() {
     );
     let case = flat(&text);
     assert!(
-        matches!(case.system.probe(), Probe::Punch { radius, .. } if (radius - 2.2e-3).abs() < 1e-18)
+        matches!(case.system.lens().shape, LensShape::Punch { radius } if (radius - 2.2e-3).abs() < 1e-18)
     );
     let [film, lens] = case.system.layers();
     assert_eq!(film.map(|film| film.base), Some(Base::Frictionless));

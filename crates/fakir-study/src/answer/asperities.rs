@@ -67,9 +67,8 @@ impl Kind for AsperityCase {
     }
 
     fn check(&self, request: &Request, details: &Details, _: &Run<'_>) -> Result<(), AnswerError> {
-        let is_plain = self.field.adhesion().is_none();
         if let Request::Cycle(plan) = request {
-            if is_plain {
+            if self.field.adhesion().is_none() {
                 return Err(AnswerError::Refused(
                     "a cycle needs adhesion: give adhesion.work in the case file, or --set adhesion.work=50mJ/m2",
                 ));
@@ -80,12 +79,7 @@ impl Kind for AsperityCase {
                 answered.map_err(SolveError::from)?;
             }
         }
-        if details.range.is_some() && is_plain {
-            return Err(AnswerError::Refused(
-                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
-            ));
-        }
-        Ok(())
+        details.check_range(self.field.adhesion())
     }
 
     fn with_gradient(

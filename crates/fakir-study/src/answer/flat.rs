@@ -7,7 +7,7 @@ use crate::fields::FieldMap;
 use crate::figures::saved;
 use crate::numbers::{LENGTH_DIGITS, digits, seconds, significant};
 use crate::provenance::{FLAT_METHOD, Provenance};
-use crate::record::{FlatAnswer, GradientObject, Record};
+use crate::record::{FlatAnswer, GradientObject, Record, flat_indenter_name};
 use crate::report::state::{
     QuantityList, adhesion_words, drive_words, lens_words, range_warnings, remark,
 };
@@ -37,10 +37,7 @@ impl Kind for FlatCase {
     }
 
     fn indenter(&self) -> &'static str {
-        match self.system.lens() {
-            Some(_) => "lens",
-            None => "punch",
-        }
+        flat_indenter_name(&self.system)
     }
 
     fn lines(&self) -> [String; 2] {
@@ -87,12 +84,7 @@ impl Kind for FlatCase {
         if let (Request::Contact(_), Maps::Points(Some(points))) = (request, details.maps) {
             FieldMap::check_memory([points; 2], run)?;
         }
-        if details.range.is_some() && self.system.adhesion().is_none() {
-            return Err(AnswerError::Refused(
-                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
-            ));
-        }
-        Ok(())
+        details.check_range(self.system.adhesion())
     }
 
     fn with_gradient(
@@ -226,30 +218,25 @@ pub fn quantities_of_flat(contact: &FlatContact) -> QuantityList {
 
 /// The end of loading and the pull-off of a cycle on a flat surface.
 pub fn turn_and_pull_off_of_flat(list: &mut QuantityList, cycle: &FlatCycle) {
+    add_state(list, "loaded up to a force of", &cycle.turn);
+    if let Some(pull_off) = &cycle.pull_off {
+        add_state(list, "pull-off force", pull_off);
+    }
+}
+
+fn add_state(list: &mut QuantityList, name: &str, contact: &FlatContact) {
+    let error = contact.error.force;
     list.state(
-        "loaded up to a force of",
-        [cycle.turn.force, cycle.turn.error.force],
-        cycle.turn.indentation,
-        remark(cycle.turn.error.force),
+        name,
+        [contact.force, error],
+        contact.indentation,
+        remark(error),
     )
     .length(
         "  with a contact radius of",
-        cycle.turn.contact_radius,
+        contact.contact_radius,
         String::new(),
     );
-    if let Some(pull_off) = &cycle.pull_off {
-        list.state(
-            "pull-off force",
-            [pull_off.force, pull_off.error.force],
-            pull_off.indentation,
-            remark(pull_off.error.force),
-        )
-        .length(
-            "  with a contact radius of",
-            pull_off.contact_radius,
-            String::new(),
-        );
-    }
 }
 
 /// A row of `pressure.csv`.
@@ -302,17 +289,7 @@ impl Found<FlatCase> for FlatCycle {
     fn text(&self, of: &Context<'_, FlatCase>) -> String {
         let [case, method] = of.case.lines();
         let mut list = QuantityList::default();
-        list.state(
-            "jump into contact",
-            [self.jump.force, self.jump.error.force],
-            self.jump.indentation,
-            remark(self.jump.error.force),
-        )
-        .length(
-            "  with a contact radius of",
-            self.jump.contact_radius,
-            String::new(),
-        );
+        add_state(&mut list, "jump into contact", &self.jump);
         turn_and_pull_off_of_flat(&mut list, self);
         if let Some(indentation) = self.separation {
             list.length("detachment", indentation, String::new());

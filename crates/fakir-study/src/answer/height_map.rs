@@ -80,11 +80,7 @@ impl Kind for SurfaceCase {
         details: &Details,
         run: &Run<'_>,
     ) -> Result<(), AnswerError> {
-        if details.range.is_some() && self.system.adhesion().is_none() {
-            return Err(AnswerError::Refused(
-                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
-            ));
-        }
+        details.check_range(self.system.adhesion())?;
         if let Request::Cycle(plan) = request {
             return check_cycle(self, plan);
         }

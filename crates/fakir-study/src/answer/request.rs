@@ -2,7 +2,7 @@
 
 use crate::approach::{ApproachError, LoadingPath};
 use crate::history::HistoryPlan;
-use fakir::problem::{CyclePlan, Load};
+use fakir::problem::{Adhesion, CyclePlan, Load};
 use fakir::state::{Run, SolveError};
 use fakir_case::CaseError;
 
@@ -28,6 +28,18 @@ pub struct Details {
     pub gradient: bool,
     /// Files of the answer.
     pub maps: Maps,
+}
+
+impl Details {
+    /// Refuses a range of the attraction without adhesion.
+    pub(super) fn check_range(&self, adhesion: Adhesion) -> Result<(), AnswerError> {
+        if self.range.is_some() && adhesion.is_none() {
+            return Err(AnswerError::Refused(
+                "the range of the attraction has no meaning without adhesion: give a work of adhesion",
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// Selection of tables, maps and figures.

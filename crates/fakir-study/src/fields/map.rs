@@ -1,7 +1,7 @@
 //! Fields of a contact on a regular grid.
 
 use fakir::numerics::convergence::clamped;
-use fakir::problem::{FlatSystem, Indenter, Point, Probe, SurfaceSystem};
+use fakir::problem::{FlatSystem, Indenter, Point, SurfaceSystem};
 use fakir::state::{
     AsperityContact, ContactState, FieldSamples, FlatContact, Run, SolveError, SurfaceContact,
 };
@@ -199,9 +199,10 @@ impl FieldMap {
         points: Option<usize>,
         run: &Run<'_>,
     ) -> Result<Self, SolveError> {
-        let widest = match system.probe() {
-            Probe::Lens(lens) => LARGEST_WIDTH * lens.widest(),
-            Probe::Punch { .. } => f64::INFINITY,
+        let lens = system.lens();
+        let widest = match lens.punch_radius() {
+            Some(_) => f64::INFINITY,
+            None => LARGEST_WIDTH * lens.widest(),
         };
         let half_width = match contact.contact_radius > 0.0 {
             true => (FLAT_RADII * contact.contact_radius).min(widest),

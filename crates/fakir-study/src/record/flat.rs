@@ -7,6 +7,14 @@ use super::named::{Kind, Named, Recorded};
 use fakir::problem::{ContactAreas, FlatSystem, Interactions};
 use fakir::state::{FlatContact, FlatCycle};
 
+/// The name of what is pressed: `"lens"` or `"punch"`.
+pub(crate) fn flat_indenter_name(system: &FlatSystem) -> &'static str {
+    match system.lens().punch_radius() {
+        Some(_) => "punch",
+        None => "lens",
+    }
+}
+
 /// Name of the method.
 pub(crate) const DISC: &str = "disc";
 
@@ -56,7 +64,7 @@ impl<'a> Recorded for FlatAnswer<'a> {
             Named::word(
                 "lens_shape",
                 "`sphere`, `paraboloid`, `profile` or `punch`",
-                |it: &FlatAnswer<'a>| Some(it.system.shape_name()),
+                |it: &FlatAnswer<'a>| Some(it.system.lens().shape_name()),
             )
             .in_objects(),
         ];

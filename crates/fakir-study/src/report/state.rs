@@ -6,7 +6,7 @@ use crate::record::{GradientObject, MayReachFloor, Record, interactions};
 use fakir::Difference;
 use fakir::problem::{
     Adhesion, Arrangement, Base, Disorder, FlatSystem, Layer, LensShape, LoadingMode, Method,
-    Probe, ShapedLens, System,
+    ShapedLens, System,
 };
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
@@ -199,6 +199,7 @@ pub(crate) fn shape_words(lens: &ShapedLens) -> String {
                 with_unit(*tilt, Dimension::Angle, LENGTH_DIGITS)
             )
         }
+        LensShape::Punch { radius } => format!("flat punch of radius {}", length(*radius)),
         _ => match lens.radius() {
             Some(radius) => format!("{} of radius {}", lens.shape_name(), length(radius)),
             None => "lens with a table of heights".to_owned(),
@@ -209,10 +210,7 @@ pub(crate) fn shape_words(lens: &ShapedLens) -> String {
 /// Description of the lens or punch on a flat surface, and of its layers.
 pub(crate) fn lens_words(system: &FlatSystem) -> String {
     let length = |value| with_unit(value, Dimension::Length, LENGTH_DIGITS);
-    let mut words = match system.probe() {
-        Probe::Punch { radius, .. } => format!("flat punch of radius {}", length(*radius)),
-        Probe::Lens(lens) => shape_words(lens),
-    };
+    let mut words = shape_words(system.lens());
     let names = ["substrate", "lens"];
     for (name, layer) in names.into_iter().zip(system.layers()) {
         if let Some(layer) = layer {

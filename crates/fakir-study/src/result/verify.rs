@@ -1,7 +1,7 @@
 //! Verification: two independent results for one problem.
 
 use crate::VERSION;
-use crate::record::{DISC, METHOD, boundary_name, indenter_name, of_floor};
+use crate::record::{DISC, METHOD, boundary_name, flat_indenter_name, indenter_name, of_floor};
 use crate::surfaces::SurfaceVerification;
 use fakir::problem::{AsperityArray, Boundary, FlatSystem, Load, Method};
 use fakir::state::{AsperityContact, AsperityElements, ContactState, FlatContact, SurfaceContact};
@@ -286,7 +286,7 @@ impl SurfaceVerifySummary {
         let answers = std::iter::once(MeshRow::of_disc(&verification.disc)).chain(elements);
         Self::of_discs(
             control,
-            system.lens().map_or("punch", |_| "lens"),
+            flat_indenter_name(system),
             &verification.verdict(),
             &differences,
             answers.collect(),

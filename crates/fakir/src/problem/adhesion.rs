@@ -1,6 +1,7 @@
 //! Adhesion of pillar tops and floor to the lens.
 
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
+use std::f64::consts::PI;
 
 /// The work of adhesion between the lens and the pillar tops, and optionally the floor between them: the energy per area that is required
 /// to separate them. The range of the attraction is assumed to be small compared with all other lengths (the limit of Johnson, Kendall and
@@ -24,6 +25,17 @@ pub struct Adhesion {
     /// Whether the floor is adhesive as well. The lens then jumps into contact with the floor when it first touches it, and detaches from
     /// it at a smaller indentation. Otherwise loading ends where the floor is reached.
     pub floor: bool,
+}
+
+/// Elongation of the surfaces at the pull-off of a contact with a radius of curvature (m), for the receding work of adhesion over the reduced modulus (m),
+/// to which the range of the attraction is compared: `(R w^2/E*^2)^(1/3)`.
+pub(crate) fn elongation_of_curved(radius: f64, elastic: f64) -> f64 {
+    (radius * elastic * elastic).cbrt()
+}
+
+/// The same of a flat top of a radius: `(8 w a/(pi E*))^(1/2)`.
+pub(crate) fn elongation_of_flat(radius: f64, elastic: f64) -> f64 {
+    (8.0 * radius * elastic / PI).sqrt()
 }
 
 impl Adhesion {

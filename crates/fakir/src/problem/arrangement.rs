@@ -354,6 +354,15 @@ pub(super) fn coordinates([x, y]: Point, [[a, b], [c, d]]: [Point; 2]) -> Point 
     [(x * d - y * c) / area, (a * y - b * x) / area]
 }
 
+/// The largest index along each of two vectors of a point of their lattice within a distance of its origin.
+pub(super) fn rows_within(vectors: [Point; 2], distance: f64) -> [f64; 2] {
+    let [[a, b], [c, d]] = vectors;
+    let area = (a * d - b * c).abs();
+    let [one, other] = vectors.map(|[x, y]| x.hypot(y));
+    // The distance between rows i = constant is the cell area divided by the length of the other vector.
+    [other, one].map(|length| (distance * length / area).ceil())
+}
+
 /// A plane lattice of pillars, infinite or finite.
 ///
 /// Pillar `(i, j)` is at `a1 i + a2 j - o`, rotated about the lens axis, where `a1` and `a2` are the [vectors](LatticeForm::vectors) and
@@ -484,11 +493,10 @@ impl PlaneLattice {
     /// Centres and radii of the pillars up to some rows beyond a distance from the lens axis.
     fn discs_near(&self, distance: f64, diameter: f64) -> Vec<(Point, f64)> {
         const ROWS: f64 = 4.0;
-        let [one, other] = self.vectors().map(|[x, y]| x.hypot(y));
+        let vectors = self.vectors();
+        let [one, other] = vectors.map(|[x, y]| x.hypot(y));
         let reach = distance + (ROWS + self.offset) * one.max(other);
-        // The distance between rows i = constant is the cell area divided by the length of the other vector.
-        let [rows, columns] =
-            [other, one].map(|length| (reach * length / self.form.cell_area()).ceil() as i64);
+        let [rows, columns] = rows_within(vectors, reach).map(|most| most as i64);
         let indices = (-rows..=rows).flat_map(|i| (-columns..=columns).map(move |j| (i, j)));
         let present = indices.filter(|index| self.has(*index));
         present

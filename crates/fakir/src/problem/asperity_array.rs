@@ -1,6 +1,6 @@
 //! Pillars with rounded tops.
 
-use super::adhesion::Adhesion;
+use super::adhesion::{Adhesion, elongation_of_curved};
 use super::interactions::Interactions;
 use super::layer::{Body, Layer, WeightedLayer};
 use super::lens::{LensShape, Material, ShapedLens, covered_by_punch};
@@ -125,11 +125,7 @@ fn under_punch(
     indenter: Indenter,
     asperities: Vec<Asperity>,
 ) -> Result<(Indenter, Vec<Asperity>), InvalidAsperities> {
-    let Indenter::Lens(ShapedLens {
-        shape: LensShape::Punch { radius },
-        material,
-    }) = indenter
-    else {
+    let Some(radius) = indenter.lens().and_then(ShapedLens::punch_radius) else {
         return Ok((indenter, asperities));
     };
     let disc = |asperity: &Asperity| (asperity.apex, asperity.rim_radius.unwrap_or(0.0));
@@ -138,7 +134,7 @@ fn under_punch(
     let covered = asperities.into_iter().zip(covered);
     let covered = covered.filter(|(_, is_covered)| *is_covered);
     Ok((
-        Indenter::Flat(Some(material)),
+        Indenter::Flat(indenter.material()),
         covered.map(|(asperity, _)| asperity).collect(),
     ))
 }
@@ -328,7 +324,7 @@ impl AsperityArray {
     #[must_use]
     pub fn is_floor_loaded(&self) -> bool {
         let lens = self.indenter.lens();
-        let has_axis = lens.is_some_and(|lens| !lens.is_flat() && lens.is_axisymmetric());
+        let has_axis = lens.is_some_and(ShapedLens::has_lowest_point);
         let has_contact = self.floor.is_some() && self.floor_model == FloorModel::Contact;
         has_contact && has_axis
     }
@@ -353,7 +349,7 @@ impl AsperityArray {
         let curvatures = self.asperities.iter();
         let curvatures = curvatures.map(|asperity| self.relative_curvature(asperity));
         let curvature = curvatures.fold(f64::INFINITY, f64::min);
-        (elastic * elastic / curvature).cbrt() / range
+        elongation_of_curved(curvature.recip(), elastic) / range
     }
 
     /// The body that is pressed onto the asperities.

@@ -1,24 +1,10 @@
 //! A lens or a flat punch on a flat surface.
 
-use super::adhesion::Adhesion;
+use super::adhesion::{Adhesion, elongation_of_curved, elongation_of_flat};
 use super::interactions::Interactions;
 use super::layer::Layer;
 use super::lens::{LensShape, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
-
-/// The body that is pressed onto a flat surface.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Probe {
-    /// An axisymmetric lens: a sphere, a paraboloid or a profile.
-    Lens(ShapedLens),
-    /// A flat circular end.
-    Punch {
-        /// Its radius, m.
-        radius: f64,
-        /// Its material.
-        material: Material,
-    },
-}
 
 /// Why a problem with a flat surface is invalid.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -52,7 +38,7 @@ pub enum InvalidFlat {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlatSystem {
-    probe: Probe,
+    lens: ShapedLens,
     substrate: Material,
     /// The substrate and the lens as layers.
     layers: [Option<Layer>; 2],
@@ -66,15 +52,21 @@ impl FlatSystem {
     /// # Errors
     /// Invalid numbers, and lenses that are not axisymmetric or are plates.
     pub fn new(lens: impl Into<ShapedLens>, substrate: Material) -> Result<Self, InvalidFlat> {
+        use Requirement as R;
         let lens = lens.into();
-        if let LensShape::Punch { radius } = lens.shape {
-            return Self::punch(radius, lens.material, substrate);
-        }
         if !lens.is_axisymmetric() {
             return Err(InvalidFlat::NoDisc(lens.shape_name()));
         }
         lens.check()?;
-        Self::of(Probe::Lens(lens), substrate)
+        R::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
+        R::PoissonRatio.check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
+        Ok(Self {
+            lens,
+            substrate,
+            layers: [None; 2],
+            adhesion: Adhesion::NONE,
+            interactions: Interactions::NONE,
+        })
     }
 
     /// A flat circular punch of this radius (m) on a substrate.
@@ -86,24 +78,8 @@ impl FlatSystem {
         material: Material,
         substrate: Material,
     ) -> Result<Self, InvalidFlat> {
-        use Requirement as R;
-        R::Positive.check(Quantity::LensRadius, radius)?;
-        R::Positive.check(Quantity::LensYoungModulus, material.young_modulus)?;
-        R::PoissonRatio.check(Quantity::LensPoissonRatio, material.poisson_ratio)?;
-        Self::of(Probe::Punch { radius, material }, substrate)
-    }
-
-    fn of(probe: Probe, substrate: Material) -> Result<Self, InvalidFlat> {
-        use Requirement as R;
-        R::Positive.check(Quantity::SubstrateYoungModulus, substrate.young_modulus)?;
-        R::PoissonRatio.check(Quantity::SubstratePoissonRatio, substrate.poisson_ratio)?;
-        Ok(Self {
-            probe,
-            substrate,
-            layers: [None; 2],
-            adhesion: Adhesion::NONE,
-            interactions: Interactions::NONE,
-        })
+        let punch = LensShape::Punch { radius };
+        Self::new(ShapedLens::new(punch, material), substrate)
     }
 
     /// The same system with bodies of finite thickness, the substrate and the lens; those without a layer are half-spaces. Indentations are
@@ -158,32 +134,13 @@ impl FlatSystem {
 
     /// The lens or the punch.
     #[must_use]
-    pub fn probe(&self) -> &Probe {
-        &self.probe
+    pub fn lens(&self) -> &ShapedLens {
+        &self.lens
     }
 
-    /// The lens; none of a punch.
-    #[must_use]
-    pub fn lens(&self) -> Option<&ShapedLens> {
-        match &self.probe {
-            Probe::Lens(lens) => Some(lens),
-            Probe::Punch { .. } => None,
-        }
-    }
-
-    /// `"sphere"`, `"paraboloid"`, `"profile"` or `"punch"`.
-    #[must_use]
-    pub fn shape_name(&self) -> &'static str {
-        self.lens().map_or("punch", ShapedLens::shape_name)
-    }
-
-    /// The material of the lens or the punch.
-    #[must_use]
-    pub fn lens_material(&self) -> &Material {
-        match &self.probe {
-            Probe::Lens(lens) => &lens.material,
-            Probe::Punch { material, .. } => material,
-        }
+    /// Whether it is a punch, whose contact has a fixed radius.
+    pub(crate) fn is_punch(&self) -> bool {
+        self.lens.punch_radius().is_some()
     }
 
     /// The material of the substrate.
@@ -207,7 +164,7 @@ impl FlatSystem {
     /// `E*`, Pa.
     #[must_use]
     pub fn reduced_modulus(&self) -> f64 {
-        let [lens, substrate] = [self.lens_material(), &self.substrate];
+        let [lens, substrate] = [&self.lens.material, &self.substrate];
         (lens.plane_strain_compliance() + substrate.plane_strain_compliance()).recip()
     }
 
@@ -216,32 +173,27 @@ impl FlatSystem {
     #[must_use]
     pub fn tabor_number(&self, range: f64) -> f64 {
         let elastic = self.adhesion.receding() / self.reduced_modulus();
-        let length = match &self.probe {
-            Probe::Lens(lens) => (lens.apex_radius() * elastic * elastic).cbrt(),
-            Probe::Punch { radius, .. } => (8.0 * radius * elastic / std::f64::consts::PI).sqrt(),
+        let length = match self.lens.punch_radius() {
+            Some(radius) => elongation_of_flat(radius, elastic),
+            None => elongation_of_curved(self.lens.apex_radius(), elastic),
         };
         length / range
     }
 
     /// Length (m) to which the smallest load is compared: the radius of curvature on the axis where it is finite, the widest contact elsewhere.
     pub(crate) fn length(&self) -> f64 {
-        match &self.probe {
-            Probe::Lens(lens) => {
-                let apex = lens.apex_radius();
-                if apex.is_finite() {
-                    apex
-                } else {
-                    lens.largest_contact()
-                }
-            }
-            Probe::Punch { radius, .. } => *radius,
+        let apex = self.lens.apex_radius();
+        match self.lens.punch_radius() {
+            Some(radius) => radius,
+            None if apex.is_finite() => apex,
+            None => self.lens.largest_contact(),
         }
     }
 
     /// The bodies, those of finite thickness with their layers.
     pub(crate) fn bodies(&self) -> [(Material, Option<Layer>); 2] {
         let [substrate, lens] = self.layers;
-        [(self.substrate, substrate), (*self.lens_material(), lens)]
+        [(self.substrate, substrate), (self.lens.material, lens)]
     }
 
     /// Whether a body has a finite thickness.
@@ -253,25 +205,22 @@ impl FlatSystem {
     /// How deep the axis of the lens is below the edge of a contact of a radius (m) on half-spaces without adhesion, m:
     /// `u ∫_0^u f'(r)/sqrt(u^2 - r^2) dr` (I. N. Sneddon, Int. J. Eng. Sci. 3, 47 (1965)). Zero under a punch.
     pub(crate) fn depth(&self, radius: f64) -> f64 {
-        match &self.probe {
-            Probe::Punch { .. } => 0.0,
-            Probe::Lens(lens) => match &lens.shape {
-                LensShape::Sphere { radius: lens } => radius * (radius / lens).atanh(),
-                LensShape::Paraboloid { radius: lens } => radius * radius / lens,
-                LensShape::Profile(profile) => profile.depth(radius),
-                LensShape::Punch { .. } => 0.0,
-                LensShape::Cylinder { .. } | LensShape::Plate { .. } => f64::NAN,
-            },
+        match &self.lens.shape {
+            LensShape::Sphere { radius: lens } => radius * (radius / lens).atanh(),
+            LensShape::Paraboloid { radius: lens } => radius * radius / lens,
+            LensShape::Profile(profile) => profile.depth(radius),
+            LensShape::Punch { .. } => 0.0,
+            LensShape::Cylinder { .. } | LensShape::Plate { .. } => f64::NAN,
         }
     }
 
     /// Derivative of the [depth](Self::depth) by the radius of the lens. Zero under a profile and a punch, which have none.
     pub(crate) fn depth_by_lens_radius(&self, radius: f64) -> f64 {
-        match self.lens().map(|lens| &lens.shape) {
-            Some(LensShape::Sphere { radius: lens }) => {
+        match &self.lens.shape {
+            LensShape::Sphere { radius: lens } => {
                 -radius * radius / ((lens - radius) * (lens + radius))
             }
-            Some(LensShape::Paraboloid { radius: lens }) => -(radius / lens).powi(2),
+            LensShape::Paraboloid { radius: lens } => -(radius / lens).powi(2),
             _ => 0.0,
         }
     }

@@ -278,9 +278,23 @@ impl ShapedLens {
         }
     }
 
+    /// Radius of a flat punch, m; none of other shapes.
+    #[must_use]
+    pub fn punch_radius(&self) -> Option<f64> {
+        match self.shape {
+            LensShape::Punch { radius } => Some(radius),
+            _ => None,
+        }
+    }
+
     /// Radius of curvature at the lowest point, m; none for a flat or a tabulated lens.
     pub(crate) fn curvature_radius(&self) -> Option<f64> {
-        self.radius().filter(|_| self.form() != LensForm::Punch)
+        self.radius().filter(|_| self.punch_radius().is_none())
+    }
+
+    /// Whether it is lowest on an axis: neither a cylinder nor flat.
+    pub(crate) fn has_lowest_point(&self) -> bool {
+        self.is_axisymmetric() && !self.is_flat() && self.punch_radius().is_none()
     }
 
     /// Largest distance from the lens axis, or from the lowest line of a cylinder, at which the shape is defined: its radius, or the end of

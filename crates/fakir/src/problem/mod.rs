@@ -51,7 +51,7 @@ pub use asperity_array::{Asperity, AsperityArray, InvalidAsperities};
 pub use column::{ELASTIC_POISSON_RATIO, ELASTIC_SLENDERNESS, Pillar, PillarCompliance};
 pub use cycle_plan::{CyclePlan, LoadingMode, UnloadingPoint};
 pub use dispatch::{Feature, Question, Solver, Unsupported};
-pub use flat::{FlatSystem, InvalidFlat, Probe};
+pub use flat::{FlatSystem, InvalidFlat};
 pub use grid::{Cells, Grid, InvalidGrid, Segment};
 pub use height_map::{HeightMap, InvalidHeightMap, PillarColumns};
 pub use interactions::{Area, ContactAreas, Friction, Interactions, LateralForce};

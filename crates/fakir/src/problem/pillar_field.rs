@@ -1,9 +1,8 @@
 //! Positions and bodies of pillars in the units of the solvers: a hexagonal lattice of equal pillars, any other lattice, or a list.
 
-use super::arrangement::{self, Arrangement, coordinates, reduced};
+use super::arrangement::{self, Arrangement, coordinates, reduced, rows_within};
 use super::column::{Column, ColumnLaw};
 use super::lattice::HexagonalLattice;
-use super::lens::{LensForm, LensShape};
 use super::point::{Point, turned};
 use super::scatter::Disorder;
 use super::system::System;
@@ -221,13 +220,8 @@ impl PlaneLattice {
 
     /// The largest index along each of the vectors of a point within a radius of the lens axis.
     fn most_rows(&self, radius: f64) -> [i64; 2] {
-        let lengths = self.vectors.map(|[x, y]| x.hypot(y));
         let reach = radius + self.origin[0].hypot(self.origin[1]);
-        // The distance between rows i = constant is the cell area divided by the length of the other vector.
-        [1, 0].map(|other| {
-            let most = (reach * lengths[other] / self.cell_area()).ceil();
-            most.min(MOST_ROWS) as i64
-        })
+        rows_within(self.vectors, reach).map(|most| most.min(MOST_ROWS) as i64)
     }
 
     /// Converts a lattice to units of a length (m), with common pillars of the given height.
@@ -433,9 +427,9 @@ impl PillarField {
         let on_plane = |lattice: &arrangement::PlaneLattice| {
             let lattice = PlaneLattice::of(lattice, length, height, law)
                 .expect("a lattice with a checked angle");
-            let lattice = match system.lens().shape {
-                LensShape::Punch { radius } => lattice.within_disc(radius / length),
-                _ => lattice,
+            let lattice = match system.lens().punch_radius() {
+                Some(radius) => lattice.within_disc(radius / length),
+                None => lattice,
             };
             let rotation = lattice.rotation;
             let field = Self::Lattice(Arc::new(lattice));
@@ -444,7 +438,7 @@ impl PillarField {
         let field = match system.arrangement() {
             // Under a table of heights the floor is looked at in all holes, not in those next to the lens axis. A punch covers a part.
             Arrangement::Hexagonal(lattice)
-                if system.lens().bends_unevenly() || system.lens().form() == LensForm::Punch =>
+                if system.lens().bends_unevenly() || system.lens().punch_radius().is_some() =>
             {
                 return on_plane(&(*lattice).into());
             }

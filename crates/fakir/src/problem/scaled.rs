@@ -3,7 +3,7 @@
 
 use super::lattice::HexagonalLattice;
 use super::layer::WeightedLayer;
-use super::lens::{LensForm, LensShape, ShapedLens};
+use super::lens::{LensShape, ShapedLens};
 use super::load::Load;
 use super::pillar_field::{IndexedPillar, ListedPillar, PillarField};
 use super::point::{Point, turned};
@@ -42,7 +42,7 @@ impl Scene {
         let length = 0.5 * system.pillar().diameter;
         let (field, rotation) = PillarField::new(system, length);
         let mut lens = system.lens().in_unit(length).turned(-rotation);
-        if lens.form() == LensForm::Punch {
+        if lens.punch_radius().is_some() {
             // The field contains only the pillars that it covers: on these it is a plate.
             lens.shape = LensShape::Plate {
                 tilt: 0.0,

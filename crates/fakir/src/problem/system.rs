@@ -1,12 +1,12 @@
 //! A lens on cylindrical pillars.
 
-use super::adhesion::Adhesion;
+use super::adhesion::{Adhesion, elongation_of_flat};
 use super::arrangement::Arrangement;
 use super::column::{ColumnLaw, Pillar, PillarCompliance};
 use super::interactions::Interactions;
 use super::lattice::HexagonalLattice;
 use super::layer::{Body, Layer, WeightedLayer};
-use super::lens::{LensShape, Material, ShapedLens};
+use super::lens::{Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use std::f64::consts::PI;
 
@@ -108,11 +108,9 @@ impl System {
         if !lens.is_axisymmetric() && !pattern.arrangement.is_finite() {
             R::FiniteUnder(lens.shape_name()).check(Q::Columns, f64::INFINITY)?;
         }
-        let arrangement = match lens.shape {
-            LensShape::Punch { radius } => {
-                pattern.arrangement.under_punch(radius, pillar.diameter)?
-            }
-            _ => pattern.arrangement,
+        let arrangement = match lens.punch_radius() {
+            Some(radius) => pattern.arrangement.under_punch(radius, pillar.diameter)?,
+            None => pattern.arrangement,
         };
         let system = Self {
             lens,
@@ -448,8 +446,8 @@ impl System {
     #[must_use]
     pub fn tabor_number(&self, range: f64) -> f64 {
         let radius = 0.5 * self.smallest_diameter();
-        let work = self.adhesion.receding();
-        (8.0 * work * radius / (PI * self.reduced_modulus())).sqrt() / range
+        let elastic = self.adhesion.receding() / self.reduced_modulus();
+        elongation_of_flat(radius, elastic) / range
     }
 
     /// The same system with another arrangement of its pillars.

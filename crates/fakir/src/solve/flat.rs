@@ -15,9 +15,7 @@ use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::layer::Layer;
 use crate::problem::load::Prescribed;
-use crate::problem::{
-    CyclePlan, FlatSystem, LensShape, Load, LoadingMode, Probe, ShapedLens, UnloadingPoint,
-};
+use crate::problem::{CyclePlan, FlatSystem, LensShape, Load, LoadingMode, UnloadingPoint};
 use crate::state::contact::contact_warnings;
 use crate::state::limit::DEEPEST_IN_LAYER;
 use crate::state::{
@@ -113,8 +111,8 @@ impl<'a> Bench<'a> {
     }
 
     fn disc(&self, radius: f64) -> Disc {
-        let rows = match self.system.lens().map(|lens| &lens.shape) {
-            Some(LensShape::Profile(profile)) => profile.radii().len().min(100),
+        let rows = match &self.system.lens().shape {
+            LensShape::Profile(profile) => profile.radii().len().min(100),
             _ => 0,
         };
         let points = (self.layers.points(radius) + rows) as f64 * self.finer;
@@ -129,9 +127,9 @@ impl<'a> Bench<'a> {
     /// The solutions for `g = 1` and for the depth of the lens.
     fn solutions(&self, disc: &Disc, radius: f64) -> [Vec<f64>; 2] {
         let one = disc.solve(|_| 1.0);
-        let bent = match self.system.probe() {
-            Probe::Punch { .. } => vec![0.0; one.len()],
-            Probe::Lens(_) => disc.solve(|u| -self.system.depth(u * radius)),
+        let bent = match self.system.is_punch() {
+            true => vec![0.0; one.len()],
+            false => disc.solve(|u| -self.system.depth(u * radius)),
         };
         [one, bent]
     }
@@ -179,7 +177,7 @@ impl<'a> Bench<'a> {
 
     /// Change of the force with the indentation while the rim moves.
     fn stiffness(&self, state: &Settled, work: f64) -> f64 {
-        if matches!(self.system.probe(), Probe::Punch { .. }) || work <= 0.0 {
+        if self.system.is_punch() || work <= 0.0 {
             return state.punch;
         }
         state.punch + self.force_by_radius(state) / self.indentation_by_radius(state, work)
@@ -202,32 +200,25 @@ impl<'a> Bench<'a> {
 
     /// The largest radius for which the system is solved.
     fn largest(&self) -> f64 {
-        let lens = self
-            .system
-            .lens()
-            .map_or(f64::INFINITY, ShapedLens::largest_contact);
         let layers = self.system.layers().into_iter().flatten();
         let thinnest = layers
             .map(|layer| layer.thickness)
             .fold(f64::INFINITY, smaller);
-        smaller(lens, WIDEST * thinnest)
+        smaller(self.system.lens().largest_contact(), WIDEST * thinnest)
     }
 
     fn exceeded(&self) -> SolveError {
         let reach = self.largest();
-        match self.system.lens().map(|lens| &lens.shape) {
-            Some(LensShape::Profile(profile)) if reach >= profile.range() => {
-                SolveError::ProfileEnds {
-                    reach,
-                    end: profile.range(),
-                }
-            }
-            Some(_) if reach >= self.system.lens().map_or(0.0, ShapedLens::largest_contact) => {
-                SolveError::ContactExceedsLens {
-                    contact_radius: reach,
-                    lens_radius: 2.0 * reach,
-                }
-            }
+        let lens = self.system.lens();
+        match &lens.shape {
+            LensShape::Profile(profile) if reach >= profile.range() => SolveError::ProfileEnds {
+                reach,
+                end: profile.range(),
+            },
+            _ if reach >= lens.largest_contact() => SolveError::ContactExceedsLens {
+                contact_radius: reach,
+                lens_radius: 2.0 * reach,
+            },
             _ => SolveError::LayerTooThin {
                 contact_radius: reach,
                 thickness: reach / WIDEST,
@@ -345,10 +336,9 @@ impl<'a> Bench<'a> {
 
     /// The radius of a punch; none of a lens.
     fn punch(&self) -> Result<Option<f64>, SolveError> {
-        match self.system.probe() {
-            Probe::Punch { radius, .. } if *radius > self.largest() => Err(self.exceeded()),
-            Probe::Punch { radius, .. } => Ok(Some(*radius)),
-            Probe::Lens(_) => Ok(None),
+        match self.system.lens().punch_radius() {
+            Some(radius) if radius > self.largest() => Err(self.exceeded()),
+            punch => Ok(punch),
         }
     }
 
@@ -368,7 +358,7 @@ impl<'a> Bench<'a> {
     fn contact(&self, state: &Settled, work: f64) -> FlatContact {
         let system = self.system;
         let mut warnings = Vec::new();
-        if let Some(radius) = system.lens().and_then(ShapedLens::radius) {
+        if let Some(radius) = system.lens().curvature_radius() {
             warnings.extend(contact_warnings(state.radius / radius));
         }
         let thicknesses = system.layers().into_iter().flatten().map(of_layer);
@@ -378,9 +368,8 @@ impl<'a> Bench<'a> {
             warnings.push(Warning::LayerStrain { ratio: strain });
         }
         // Without adhesion theta falls towards the rim; where it is negative inside, the contact is not one disc.
-        let is_disc = work > 0.0
-            || matches!(system.probe(), Probe::Punch { .. })
-            || state.least > -1e-9 * state.indentation.abs();
+        let is_disc =
+            work > 0.0 || system.is_punch() || state.least > -1e-9 * state.indentation.abs();
         FlatContact {
             indentation: state.indentation,
             force: state.force,
@@ -774,8 +763,7 @@ impl<'a, 'b> Path<'a, 'b> {
         if start.indentation < turn.indentation {
             self.record(Branch::Unloading, [turn, start], receding);
         }
-        let is_punch = matches!(self.bench.system.probe(), Probe::Punch { .. });
-        let end = if is_punch {
+        let end = if self.bench.system.is_punch() {
             start
         } else {
             let last = self.bench.detachment(driver, receding)?;
@@ -788,7 +776,7 @@ impl<'a, 'b> Path<'a, 'b> {
             }
         };
         // The largest pull: at the smallest force, which under a prescribed force is the last contact.
-        let pull = if is_punch {
+        let pull = if self.bench.system.is_punch() {
             start
         } else {
             let last = self.bench.detachment(Driver::Force, receding)?;

@@ -161,6 +161,11 @@ impl AsperityFields {
     /// Gap between the lens and the surface below it, m: the top where there is one, otherwise the floor.
     #[must_use]
     pub fn gap(&self, position: Point) -> f64 {
+        let [_, gap] = self.displacement_and_gap(position);
+        gap
+    }
+
+    fn displacement_and_gap(&self, position: Point) -> [f64; 2] {
         let (height, sink) = match self.top(position) {
             Some((number, height)) => {
                 let asperity = &self.array.asperities()[number];
@@ -170,7 +175,9 @@ impl AsperityFields {
         };
         let lens = self.array.indenter().lens();
         let sag = lens.map_or(0.0, |lens| lens.sag_with_brim(position));
-        sag + self.displacement(position) + sink - self.indentation - height
+        let displacement = self.displacement(position);
+        let gap = sag + displacement + sink - self.indentation - height;
+        [displacement, gap]
     }
 
     /// Displacement, gap and pressure at points, in the same order.
@@ -178,8 +185,12 @@ impl AsperityFields {
     /// # Errors
     /// [`SolveError::TooManyPoints`] if the memory limit would be exceeded; interruption.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
-        let of_point = |at: Point| [self.displacement(at), self.gap(at), self.pressure(at)];
-        sample_points(points, of_point, run)
+        sample_points(
+            points,
+            |at| self.displacement_and_gap(at),
+            |at| self.pressure(at),
+            run,
+        )
     }
 
     /// The same on a grid of equidistant points, x fastest; the pressure is the mean of 16 points in the cell around each point.
@@ -187,7 +198,7 @@ impl AsperityFields {
     /// # Errors
     /// As [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
-        let others = |at: Point| [self.displacement(at), self.gap(at)];
+        let others = |at| self.displacement_and_gap(at);
         sample_cells([x, y], others, |at| self.pressure(at), run)
     }
 }

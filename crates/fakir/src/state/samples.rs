@@ -230,19 +230,21 @@ fn in_batches<T: Copy + Send>(
 /// Number of points across a cell whose mean pressure is computed.
 const PER_CELL: usize = 4;
 
-/// Displacement, gap and pressure at points, from a function of a point.
+/// Displacement and gap, and pressure, at points, from functions of a point.
 pub(crate) fn sample_points(
     points: &[Point],
-    of_point: impl Fn(Point) -> [f64; 3] + Sync + Send,
+    displacement_and_gap: impl Fn(Point) -> [f64; 2] + Sync + Send,
+    pressure: impl Fn(Point) -> f64 + Sync + Send,
     run: &Run<'_>,
 ) -> Result<FieldSamples, SolveError> {
     FieldSamples::check_memory(points.len(), 0, run)?;
     let batch = |points: &[Point]| {
         run.check_cancelled()?;
-        Ok(points.iter().map(|point| of_point(*point)).collect())
+        let of_point = |point: &Point| (displacement_and_gap(*point), pressure(*point));
+        Ok(points.iter().map(of_point).collect())
     };
     let mut samples = FieldSamples::default();
-    for [displacement, gap, pressure] in in_batches(points, batch, run)? {
+    for ([displacement, gap], pressure) in in_batches(points, batch, run)? {
         samples.displacement.push(displacement);
         samples.gap.push(gap);
         samples.pressure.push(pressure);
@@ -261,16 +263,14 @@ pub(crate) fn sample_cells(
     let side = |axis: &[f64]| axis.get(1).map_or(0.0, |next| next - axis[0]);
     let cell = [side(x), side(y)];
     let inside = |place: usize| (place as f64 + 0.5) / PER_CELL as f64 - 0.5;
-    let of_point = |at: Point| {
+    let mean = |at: Point| {
         let places = (0..PER_CELL).flat_map(|row| (0..PER_CELL).map(move |it| [it, row]));
         let pressures =
             places.map(|place| pressure([0, 1].map(|k| at[k] + cell[k] * inside(place[k]))));
-        let mean = pressures.sum::<f64>() / (PER_CELL * PER_CELL) as f64;
-        let [displacement, gap] = displacement_and_gap(at);
-        [displacement, gap, mean]
+        pressures.sum::<f64>() / (PER_CELL * PER_CELL) as f64
     };
     FieldSamples::check_memory(x.len().saturating_mul(y.len()), 0, run)?;
-    sample_points(&grid_points(x, y), of_point, run)
+    sample_points(&grid_points(x, y), displacement_and_gap, mean, run)
 }
 
 /// A rectangle of lattice indices.

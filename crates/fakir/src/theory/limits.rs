@@ -442,9 +442,9 @@ impl FlatContact {
     #[must_use]
     pub fn limits(&self, system: &FlatSystem, range: Option<f64>) -> Vec<Limit> {
         let mut limits = Vec::new();
-        let radius = system.lens().and_then(ShapedLens::radius);
-        if let Some(lens) = system.lens() {
-            let slope = lens.slope_at(self.contact_radius);
+        let radius = system.lens().curvature_radius();
+        if !system.is_punch() {
+            let slope = system.lens().slope_at(self.contact_radius);
             limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
         }
         if let Some(radius) = radius {
@@ -462,10 +462,7 @@ impl FlatContact {
                 SMALLEST_TABOR_NUMBER,
             ));
         }
-        let sphere = system
-            .lens()
-            .and_then(ShapedLens::sphere)
-            .map(|lens| lens.radius);
+        let sphere = system.lens().sphere().map(|lens| lens.radius);
         let layers = system.layers();
         limits.extend(of_layers(
             layers,
@@ -481,7 +478,7 @@ impl FlatContact {
             };
             let contact = HalfSpaces {
                 bodies: [
-                    (*system.lens_material(), lens),
+                    (system.lens().material, lens),
                     (*system.substrate(), substrate),
                 ],
                 lens_radius: radius.unwrap_or(0.0),

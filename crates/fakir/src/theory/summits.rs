@@ -4,6 +4,7 @@
 //! paraboloid through the 3 x 3 cells around it. On cells of equal height the summit is a flat top: if the contact reaches its rim, it detaches as a
 //! punch; otherwise only the lens is curved there.
 
+use crate::problem::adhesion::{elongation_of_curved, elongation_of_flat};
 use crate::problem::{Boundary, SurfaceSystem};
 use crate::state::SurfaceContact;
 use crate::state::limit::{Limit, SMALLEST_TABOR_NUMBER};
@@ -39,8 +40,8 @@ pub(super) fn limits(contact: &SurfaceContact, system: &SurfaceSystem, range: f6
     let mut unresolved = 0;
     for summit in relief.summits() {
         match summit {
-            Summit::Rounded(radius) => numbers.push((radius * elastic * elastic).cbrt() / range),
-            Summit::Flat(radius) => numbers.push((8.0 * radius * elastic / PI).sqrt() / range),
+            Summit::Rounded(radius) => numbers.push(elongation_of_curved(radius, elastic) / range),
+            Summit::Flat(radius) => numbers.push(elongation_of_flat(radius, elastic) / range),
             Summit::Unresolved => unresolved += 1,
         }
     }
@@ -230,7 +231,7 @@ impl<'a> Relief<'a> {
 mod tests {
     use super::*;
     use crate::problem::{
-        Adhesion, FlatSystem, Grid, HeightMap, Indenter, Lens, Load, Material, Point, Probe,
+        Adhesion, FlatSystem, Grid, HeightMap, Indenter, Lens, Load, Material, Point,
     };
     use crate::state::Run;
 
@@ -335,7 +336,7 @@ mod tests {
         let pillar = |[x, y]: Point| if x.hypot(y) < radius { 0.0 } else { -5e-6 };
         let punch = FlatSystem::punch(radius, RUBBER, RUBBER).unwrap();
         let punch = punch.with_adhesion(Adhesion::new(WORK)).unwrap();
-        assert!(matches!(punch.probe(), Probe::Punch { .. }));
+        assert!(punch.is_punch());
         for indenter in [plate(), lens()] {
             let limits = found(indenter, pillar);
             let number = value(&limits, "tabor_number").unwrap();

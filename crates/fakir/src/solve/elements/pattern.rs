@@ -6,8 +6,8 @@ use super::surface_level::{check_fields, is_loaded};
 use crate::numerics::neighbours::{Nearest, Neighbours};
 use crate::problem::{
     Boundary, Cells, ElementMesh, Floor, FloorModel, Grid, HeightMap, Indenter, InvalidGrid,
-    InvalidHeightMap, Layer, LensForm, Load, MeshLayout, Method, PillarColumns, PlacedPillar,
-    SurfaceSystem, System,
+    InvalidHeightMap, Layer, Load, MeshLayout, Method, PillarColumns, PlacedPillar, SurfaceSystem,
+    System,
 };
 use crate::state::{
     ContactState, ErrorEstimate, FloorContact, FloorErrors, Run, SolveError, SurfaceContact,
@@ -62,8 +62,7 @@ fn grid(system: &System, cells_per_diameter: usize, reach: f64) -> Result<Grid, 
 
 /// The floor, which carries no load where the spectral method does not compute it.
 fn floor_model(system: &System) -> FloorModel {
-    let has_axis = system.lens().is_axisymmetric() && system.lens().form() != LensForm::Punch;
-    match has_axis {
+    match system.lens().has_lowest_point() {
         true => system.floor_model(),
         false => FloorModel::Ignored,
     }

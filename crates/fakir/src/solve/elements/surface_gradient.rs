@@ -7,7 +7,7 @@
 
 use super::solver::Prescribed;
 use super::surface_level::Level;
-use crate::problem::{HeightMap, Load, Material, Quantity, SurfaceSystem, Unsupported};
+use crate::problem::{Load, Material, Quantity, SurfaceSystem, Unsupported};
 use crate::state::{Derivatives, Gradient, Run, SolveError, SurfaceContact};
 
 impl SurfaceSystem {
@@ -132,14 +132,13 @@ impl SurfaceSystem {
 
     /// Shortening of every pillar, m.
     fn shortening(&self, contact: &SurfaceContact, in_contact: &[usize]) -> Vec<f64> {
-        let pillars = self.surface.pillars();
-        let mut shortening = vec![0.0; pillars.map_or(0, |it| it.compliance.len())];
-        let compliance = |pillar: usize| pillars.map_or(0.0, |it| it.compliance[pillar]);
+        let compliance = self.surface.pillars().map(|it| it.compliance.as_slice());
+        let compliance = compliance.unwrap_or_default();
+        let mut shortening = vec![0.0; compliance.len()];
         for cell in in_contact {
-            let label = self.surface.label(*cell);
-            if label != HeightMap::NO_PILLAR {
-                let force = contact.grid.cell_area() * contact.pressure[*cell];
-                shortening[label as usize] += compliance(label as usize) * force;
+            let pillar = self.surface.label(*cell) as usize;
+            if let Some(sum) = shortening.get_mut(pillar) {
+                *sum += compliance[pillar] * contact.grid.cell_area() * contact.pressure[*cell];
             }
         }
         shortening

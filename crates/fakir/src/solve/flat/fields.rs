@@ -5,7 +5,7 @@ use crate::halfspace::layer::LayerResponse;
 use crate::numerics::convergence::larger;
 use crate::numerics::special::bessel;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::{FlatSystem, Point, Probe};
+use crate::problem::{FlatSystem, Point};
 use crate::state::{FieldSamples, FlatContact, Run, SolveError, sample_cells, sample_points};
 use crate::theory::layer::Disc;
 use std::f64::consts::PI;
@@ -106,13 +106,7 @@ impl FlatFields {
 
     /// Height of the lens above its lowest point, m; infinite beyond the rim of a punch.
     fn sag(&self, position: Point) -> f64 {
-        match self.system.probe() {
-            Probe::Lens(lens) => lens.sag_with_brim(position),
-            Probe::Punch { radius, .. } if position[0].hypot(position[1]) > *radius => {
-                f64::INFINITY
-            }
-            Probe::Punch { .. } => 0.0,
-        }
+        self.system.lens().sag_with_brim(position)
     }
 
     /// Whether a position is in the contact.
@@ -143,10 +137,17 @@ impl FlatFields {
     /// Gap between the lens and the flat surface, m; zero in contact, and infinite beyond the rim of a punch.
     #[must_use]
     pub fn gap(&self, position: Point) -> f64 {
-        match self.is_in_contact(position) {
+        let [_, gap] = self.displacement_and_gap(position);
+        gap
+    }
+
+    fn displacement_and_gap(&self, position: Point) -> [f64; 2] {
+        let displacement = self.displacement(position);
+        let gap = match self.is_in_contact(position) {
             true => 0.0,
-            false => self.sag(position) + self.displacement(position) - self.indentation,
-        }
+            false => self.sag(position) + displacement - self.indentation,
+        };
+        [displacement, gap]
     }
 
     /// Contact pressure, Pa: zero outside of the contact, negative where adhesion pulls; infinite at the rim of an adhesive contact and of a punch.
@@ -165,8 +166,12 @@ impl FlatFields {
     /// # Errors
     /// [`SolveError::TooManyPoints`] if the memory limit would be exceeded; interruption.
     pub fn sample(&self, points: &[Point], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
-        let of_point = |at: Point| [self.displacement(at), self.gap(at), self.pressure(at)];
-        sample_points(points, of_point, run)
+        sample_points(
+            points,
+            |at| self.displacement_and_gap(at),
+            |at| self.pressure(at),
+            run,
+        )
     }
 
     /// The same on a grid of equidistant points, x fastest; the pressure is the mean of 16 points in the cell around each point.
@@ -174,7 +179,7 @@ impl FlatFields {
     /// # Errors
     /// As [`sample`](Self::sample).
     pub fn on_grid(&self, x: &[f64], y: &[f64], run: &Run<'_>) -> Result<FieldSamples, SolveError> {
-        let others = |at: Point| [self.displacement(at), self.gap(at)];
+        let others = |at| self.displacement_and_gap(at);
         sample_cells([x, y], others, |at| self.pressure(at), run)
     }
 }

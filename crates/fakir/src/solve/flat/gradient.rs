@@ -7,7 +7,7 @@
 
 use super::Bench;
 use crate::problem::layer::WeightedLayer;
-use crate::problem::{FlatSystem, LensShape, Load, Material, Probe, Quantity};
+use crate::problem::{FlatSystem, LensShape, Load, Material, Quantity};
 use crate::state::{Derivatives, FlatContact, Gradient, Run, SolveError};
 use std::f64::consts::PI;
 
@@ -49,9 +49,8 @@ impl Bench<'_> {
         let state = self.with_radius(radius, contact.indentation);
         let force_by_radius = self.force_by_radius(&state);
         let stiffness = contact.stiffness;
-        let is_punch = matches!(self.system.probe(), Probe::Punch { .. });
         // What the rim moves by for a change of the condition there; nothing under a punch.
-        let by_rim = match is_punch {
+        let by_rim = match self.system.is_punch() {
             true => 0.0,
             false => (state.one_at_rim * self.indentation_by_radius(&state, work)).recip(),
         };
@@ -107,22 +106,21 @@ impl Bench<'_> {
             radius: 0.0,
         };
         let mut changes: Vec<(Quantity, Change)> = Vec::new();
-        match system.probe() {
-            Probe::Punch { .. } => {
+        match system.lens().shape {
+            LensShape::Punch { .. } => {
                 let change = Change {
                     radius: 1.0,
                     ..Change::default()
                 };
                 changes.push((Quantity::LensRadius, change));
             }
-            Probe::Lens(lens) => {
-                if let LensShape::Sphere { .. } | LensShape::Paraboloid { .. } = lens.shape {
-                    let change = disc.solve(|u| -system.depth_by_lens_radius(u * radius));
-                    changes.push((Quantity::LensRadius, of_solution(&change)));
-                }
+            LensShape::Sphere { .. } | LensShape::Paraboloid { .. } => {
+                let change = disc.solve(|u| -system.depth_by_lens_radius(u * radius));
+                changes.push((Quantity::LensRadius, of_solution(&change)));
             }
+            _ => {}
         }
-        let [lens, substrate] = [system.lens_material(), system.substrate()];
+        let [lens, substrate] = [&system.lens().material, system.substrate()];
         let young = |material: &Material| {
             modulus * material.plane_strain_compliance() / material.young_modulus
         };
