@@ -190,7 +190,7 @@ def test_the_first_picture_is_drawn_before_the_module_is_read(explore_at):
         assert page.page.evaluate(f"() => ({is_after})({script}, document.getElementById('{name}'))")
 
 
-@pytest.mark.parametrize("fraction, load", [(0.01, 1), (0.03, 1), (0.1, 1), (0.03, 1.5)])
+@pytest.mark.parametrize("fraction, load", [(0.01, 1), (0.03, 1), (0.1, 1), (0.01, 1.5), (0.03, 1.5), (0.1, 1.5)])
 def test_the_module_follows_the_slider(explore_at, static, server, capsys, fraction, load):
     """Medians from the motion of the slider to the exact map."""
     medians = {}
