@@ -86,7 +86,9 @@ class Case:
     @property
     def rise(self) -> float:
         """By how much the first contact may be above the level from which indentations are measured."""
-        return 2 * self.pitch * math.tan(self.tilt) if self.lens == "plate" else 0.0
+        tilted = 2 * self.pitch * math.tan(self.tilt) if self.lens == "plate" else 0.0
+        # The highest of some tens of pillars is two standard deviations above the others.
+        return tilted + (2 * self.scatter * self.height if self.arrangement == "scattered" else 0.0)
 
     @property
     def name(self) -> str:

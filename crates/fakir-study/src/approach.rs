@@ -20,6 +20,11 @@ use std::time::Instant;
 /// Largest number of states of a loading. Only a step in a wrong unit exceeds it.
 const MOST_STATES: f64 = 1e4;
 
+/// Number of contacts from which the curve of a height map is interpolated, at most, if it has this number of cells; with fewer cells up to four
+/// times as many.
+const FEW_CONTACTS: usize = 14;
+const CELLS_OF_FEW_CONTACTS: usize = 1 << 18;
+
 /// Indentations of a loading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadingPath {
@@ -307,9 +312,10 @@ impl Loadable for SurfaceSystem {
         Ok(Question::Hold.check(Solver::HeightMap, &[Feature::AdhesiveTops])?)
     }
 
-    // Contacts change by whole cells, and take seconds.
+    // Contacts take seconds on many cells and tens of milliseconds on few, and change by whole cells.
     fn curve_accuracy(&self) -> (f64, usize) {
-        (2e-3, 14)
+        let fewer = CELLS_OF_FEW_CONTACTS / self.surface().grid().cell_count();
+        (2e-4, FEW_CONTACTS * fewer.clamp(1, 4))
     }
 
     fn state(&self, state: LoadingState<&SurfaceContact>) -> Record {

@@ -14,13 +14,31 @@ use crate::state::{
 };
 use std::collections::HashMap;
 
-/// The contact with a given number of cells across a pillar, on a grid that contains all points within `reach` (m) of the lens axis.
+/// The contact with a given number of cells across a pillar, on a grid that contains all points within `reach` (m) of the lens axis, or on a wider
+/// one if the contact does not end there.
 ///
 /// Single pillars and fields are not returned.
 ///
 /// # Errors
 /// As [`SurfaceSystem::press`].
 pub(crate) fn press_with_floor(
+    system: &System,
+    control: Load,
+    cells_per_diameter: usize,
+    reach: f64,
+    run: &Run<'_>,
+) -> Result<ContactState, SolveError> {
+    let mut reach = reach;
+    loop {
+        match press_within(system, control, cells_per_diameter, reach, run) {
+            // Each grid is wider by at least a quarter, up to the limit of memory.
+            Err(SolveError::SurfaceEnds { needed, .. }) => reach = 0.5 * needed,
+            answer => return answer,
+        }
+    }
+}
+
+fn press_within(
     system: &System,
     control: Load,
     cells_per_diameter: usize,
