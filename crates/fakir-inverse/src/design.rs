@@ -1733,6 +1733,36 @@ mod tests {
         }
     }
 
+    /// The same with adhesion, where the contact is that on loading: on a floor without adhesion and on an adhesive one.
+    #[test]
+    #[ignore = "slow: searches with mixed contact"]
+    fn a_floor_share_with_adhesion_is_had_by_the_case_that_is_found() {
+        let run = Run::default();
+        for floor in ["false", "true"] {
+            let mut file = paper(0.02);
+            for setting in [
+                "pattern.lattice=square",
+                "pattern.columns=3",
+                "adhesion.work=5 mJ/m2",
+                &format!("adhesion.floor={floor}"),
+            ] {
+                file.set(setting).unwrap();
+            }
+            let load = Load::Indentation(4e-6);
+            let wanted = Wanted::FloorShare { share: 0.2, load };
+            let candidate = found(&file, Key::PillarHeight, wanted);
+            let case = flat(&candidate.case);
+            let again = fakir::press(&case.system, load, case.method, &run).unwrap();
+            let floor = again.floor.unwrap();
+            let off = (floor.share / 0.2 - 1.0).abs();
+            assert!(
+                off <= floor.error.share && floor.error.share < 0.3,
+                "{off:e}, known to {:e}",
+                floor.error.share
+            );
+        }
+    }
+
     /// Pillars farther apart carry less of the same force. The smallest share is just past the transition, where the
     /// pitch is nearly that of a critical force equal to the load.
     #[test]

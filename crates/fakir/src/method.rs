@@ -1,7 +1,9 @@
 //! Dispatches questions to methods.
 
 use crate::problem::scaled::Scene;
-use crate::problem::{Accuracy, CyclePlan, Feature, Load, Method, Quantity, Question, System};
+use crate::problem::{
+    Accuracy, CyclePlan, Feature, Load, Method, Quantity, Question, System, Unsupported,
+};
 use crate::solve::adhesive;
 use crate::solve::answers;
 use crate::solve::assembled::PillarMethod;
@@ -169,6 +171,9 @@ pub fn press_to_floor_shares(
     let CriticalState { contact, .. } = critical;
     let system = &contact.system;
     Question::FloorShare.check(contact.method.into(), &Feature::of(system))?;
+    if !system.adhesion().is_none() {
+        return Err(Unsupported::SHARES_OF_ADHESIVE_TOPS.into());
+    }
     let refused = |why| Err(SolveError::NoFloorShare { why });
     if !shares.iter().all(|share| *share > 0.0 && *share < 1.0) {
         return refused("it must be between 0 and 1 (100 %), excluding both");

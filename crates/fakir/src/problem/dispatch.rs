@@ -243,6 +243,12 @@ impl Unsupported {
         instead: "use columns, or compute a `cycle`",
         with: &[ELASTIC],
     };
+    /// Contacts with a prescribed floor share.
+    pub(crate) const SHARES_OF_ADHESIVE_TOPS: Self = Self {
+        why: "with adhesion contacts follow from the whole loading, and the floor share may jump past the given one",
+        instead: "press to several indentations, or leave out the works of adhesion",
+        with: &[ADHESIVE_TOPS],
+    };
     /// Designed heights of adhesive tops.
     pub const HEIGHTS_OF_ADHESIVE_TOPS: Self = Self {
         why: "heights are designed for tops without adhesion: with it the curve jumps where contacts begin",
@@ -391,13 +397,6 @@ static RULES: &[Rule] = &[
         &[ADHESIVE_TOPS],
         "with adhesion the contact depends on the loading path, and derivatives are not supported",
         "leave out the works of adhesion",
-    ),
-    rule(
-        &[Question::FloorShare],
-        ON_PILLARS,
-        &[ADHESIVE_TOPS],
-        "with adhesion the contact depends on the loading path",
-        "use `cycle`",
     ),
     rule(
         ANY,

@@ -73,8 +73,15 @@ const LONGEST_RELATIVE_STEP: f64 = 0.01;
 /// Step of the finite differences for the curvature of the gap, in pillar spacings.
 const GAP_STEP: f64 = 0.02;
 
+/// Relative difference from a prescribed force that is left, and largest number of corrections until then.
+const SAME_FORCE: f64 = 1e-6;
+const MOST_CORRECTIONS: usize = 12;
+
 /// Step while the floor adheres, in pillar heights: after each step all unstable places change, on tops and floor.
 const BONDED_STEP: f64 = 0.04;
+
+/// The same for a contact under a load on a floor without adhesion, whose pressures do not depend on those before.
+pub(super) const PLAIN_STEP: f64 = 0.5;
 
 /// Radius of the adhering region, in pillar spacings, below which unloading steps are shorter, because the floor detaches there.
 const NEAR_LOSS: f64 = 2.5;
@@ -130,6 +137,8 @@ pub(crate) struct Path<'a> {
     pub(super) floor_works: Option<Works>,
     /// Numerical variation of the floor solution.
     pub(super) variation: Variation,
+    /// Step after the first contact with the floor, in pillar heights.
+    pub(super) floor_step: f64,
     fixed: FixedQuantity,
     /// Indentation from which the floor is checked again.
     look_again: f64,
@@ -180,6 +189,7 @@ impl<'a> Path<'a> {
             works: fronts.works(),
             floor_works: Some(fronts.works()),
             variation: PLAIN,
+            floor_step: BONDED_STEP,
             tops: AdhesiveTops::new(fronts, scene.field.column(), &sites),
             loads: vec![0.0; own_load.len()],
             along: vec![0.0; own_load.len()],
@@ -274,7 +284,7 @@ impl<'a> Path<'a> {
             } else {
                 1.0
             };
-            return part * BONDED_STEP * self.scene.height;
+            return part * self.floor_step * self.scene.height;
         }
         let part_of_path = LONGEST_RELATIVE_STEP * self.indentation().abs();
         (LONGEST_STEP * self.scene.height).max(part_of_path)
@@ -384,12 +394,32 @@ impl<'a> Path<'a> {
             return Err(self.too_large(self.indentation()));
         }
         self.report(Stage::Cycle, self.events.len());
-        Ok(to_end <= longest
-            && match end {
-                // Changes of contact change the force.
-                End::Force(_) => !changed || to_end < NEAR_END * longest,
-                _ => true,
-            })
+        if to_end > longest {
+            return Ok(false);
+        }
+        // Changes of contact change the force.
+        match end {
+            End::Force(force) if self.floor_works.is_none() => {
+                self.meet(force, course).map(|()| true)
+            }
+            End::Force(_) => Ok(!changed || to_end < NEAR_END * longest),
+            _ => Ok(true),
+        }
+    }
+
+    /// Corrects the indentation until the force is the given one, on a floor without adhesion.
+    fn meet(&mut self, force: f64, course: Course) -> Result<(), SolveError> {
+        for _ in 0..MOST_CORRECTIONS {
+            let missing = force - self.force();
+            if missing.abs() <= SAME_FORCE * force.abs() {
+                break;
+            }
+            self.advance(missing / self.stiffness());
+            if self.cascade(course)? == 0 {
+                self.record(course);
+            }
+        }
+        Ok(())
     }
 
     /// Starts contact with the floor at its lowest point, on the cells of a division in a window of a radius. On an adhesive floor, computes

@@ -1071,6 +1071,23 @@ fn a_floor_that_does_not_stick_carries_load_beside_adhesive_tops() {
     assert!(difference.abs() < allowed && allowed < 0.5, "{difference}");
 }
 
+/// A prescribed force is met, and the indentation found under it carries that force.
+#[test]
+fn force_and_indentation_belong_together_beside_a_floor_that_does_not_stick() {
+    let system = adhesive_on(finite_square(40e-6, 3), PillarCompliance::Column, 5e-3);
+    let press = |load| fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
+    let of_force = press(Load::Force(1.5e-4));
+    assert!(of_force.floor.as_ref().unwrap().share > 0.05);
+    assert!((of_force.force / 1.5e-4 - 1.0).abs() < 2e-6);
+    let again = press(Load::Indentation(of_force.indentation));
+    let allowed = again.error.force + 2.0 * of_force.error.indentation;
+    let difference = again.force / of_force.force - 1.0;
+    assert!(
+        difference.abs() < allowed && allowed < 1e-3,
+        "{difference:e} {allowed:e}"
+    );
+}
+
 /// The floor stores no energy of adhesion: the hysteresis is dissipated by the tops, and pull-off, which comes after the floor is lost, is
 /// that of a loading without the floor.
 #[test]
