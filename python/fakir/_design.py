@@ -17,7 +17,7 @@ from ._format import Row, engineering
 from ._quantity import FloatArray, Quantity, si
 from ._result import Result
 from ._run import Progress, options, warn_of_interactions
-from ._settings import SAMPLES, SEED
+from ._settings import SEED
 from ._state import ContactState, CriticalState, radius
 from ._system import System
 from .bem import Surface, SurfaceContact, SurfaceTransition
@@ -352,6 +352,14 @@ class Spread(Result):
         columns = [name for name in self._columns if name.startswith("force_at_")]
         return self._column(columns[place])
 
+    def errors(self, of: str = "critical_force_N") -> tuple[float, float] | None:
+        """Estimated errors of mean and standard deviation due to the cells of a height map, in the unit of the column; None for other
+        surfaces. The error of a finite number of samples is not included."""
+        statistics = self._summary["spread"].get(of) or {}
+        if "mean_error_estimate" not in statistics:
+            return None
+        return statistics["mean_error_estimate"], statistics["standard_deviation_error_estimate"]
+
     @property
     def problems(self) -> list[str]:
         """Why a sample has no critical state; empty for the others."""
@@ -375,29 +383,33 @@ class Spread(Result):
 
     def _rows(self) -> list[Row]:
         rows = []
-        for name, values, unit in [
-            ("critical force", self.force, "N"),
-            ("critical indentation", self.indentation, "m"),
-            ("critical contact radius", self.contact_radius, "m"),
-            ("pull-off force", self.pull_off_force, "N"),
-            ("hysteresis", self.hysteresis, "J"),
+        for name, column, unit in [
+            ("critical force", "critical_force_N", "N"),
+            ("critical indentation", "critical_indentation_m", "m"),
+            ("critical contact radius", "critical_contact_radius_m", "m"),
+            ("pull-off force", "pull_off_force_N", "N"),
+            ("hysteresis", "hysteresis_J", "J"),
         ]:
-            if values is None:
+            values = self._column(column) if column in self._columns else None
+            if values is None or np.isnan(values).all():
                 continue
             mean, deviation = float(np.nanmean(values)), float(np.nanstd(values, ddof=1))
             low, high = np.nanpercentile(values, [2.5, 97.5])
             text = f"{engineering(mean, unit, 4)} ± {engineering(deviation, unit, 2)}"
             limits = f"{engineering(float(low), unit, 4)} to {engineering(float(high), unit, 4)}"
             rows.append((name, f"{text}, 95 % in {limits}"))
+            if (errors := self.errors(column)) is not None:
+                of_mean, of_deviation = (engineering(error, unit, 2) for error in errors)
+                rows.append(("  errors of cells", f"{of_mean} of the mean, {of_deviation} of the deviation"))
         failed = sum(bool(problem) for problem in self.problems)
         return [*rows, ("samples", f"{len(self)}, {failed} without a critical state")]
 
 
 def spread(
-    system: System | AsperityArray,
+    system: System | AsperityArray | Surface,
     tolerances: Mapping[str, Quantity],
     *,
-    samples: int = SAMPLES,
+    samples: int | None = None,
     seed: int = SEED,
     landing: str = "anywhere",
     force_at: Sequence[Quantity] = (),
@@ -410,19 +422,22 @@ def spread(
     Parameters
     ----------
     system
-        Pillars, or rounded tops of a case file.
+        Pillars, rounded tops of a case file, or a height map of a case file.
     tolerances
         Standard deviations by key: ``{"pattern.pillar.height": "5 %", "pattern.pitch": "0.1 um"}``, as a fraction of the value
         with ``%``, otherwise in SI units or with a unit.
     samples, seed
-        Number of samples, and seed of all random numbers: by default 500 and 1, as on the command line.
+        Number of samples, and seed of all random numbers: by default 500, on a height map 50, and 1, as on the command line.
     landing
         Landing position of the lens on the lattice: ``"anywhere"`` or ``"as_given"``.
     force_at
         Indentations (m) at which the force of every sample is computed too.
 
+    Every sample of a height map is solved again on its cells, pillars being drawn again; a map from a file has no lattice, and takes
+    ``landing="as_given"`` and the tolerances of a whole: those of lens and substrate, and of the scales of its heights and lengths.
+
     Every sample of a lattice with a ``height_standard_deviation`` or a ``vacancy_fraction`` has its own random pillars; ``seed`` of
-    the pattern is then not used.
+    the pattern is then not used, nor that of pillars at random.
     """
     if landing not in {"anywhere", "as_given"}:
         raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')

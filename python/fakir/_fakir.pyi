@@ -317,14 +317,14 @@ def design(
     ],
     options: Options,
 ) -> tuple[str, list[tuple[float, Case | Asperities | Surface | Flat, Any]]]: ...
-def sampling_defaults() -> tuple[int, int]: ...
+def sampling_seed() -> int: ...
 def parse_deviation(path: str, text: str) -> tuple[float, bool]: ...
 def spread(
-    case: Case | Asperities,
+    case: Case | Asperities | Surface,
     tolerances: Sequence[tuple[str, float, bool]],
     anywhere: bool,
     indentations: Sequence[float],
-    samples_and_seed: tuple[int, int],
+    samples_and_seed: tuple[int | None, int],
     options: Options,
 ) -> tuple[str, list[tuple[str, Any]]]: ...
 def cite(

@@ -12,8 +12,8 @@ from ._quantity import Quantity, WithUnit, si
 
 Overrides = Mapping[str, Quantity]
 
-SAMPLES, SEED = _fakir.sampling_defaults()
-"""Default number of random samples, and default seed."""
+SEED = _fakir.sampling_seed()
+"""Default seed of random samples."""
 
 
 def load(

@@ -55,3 +55,19 @@ def test_a_sphere_is_pulled_off_a_flat_map():
         surface.cycle()
     with pytest.raises(ValueError, match="floor"):
         Surface(np.zeros((64, 64)), lens, substrate, cell_size="2 um", adhesion=fakir.Adhesion(0.05, floor=True))
+
+
+@pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
+def test_samples_are_solved_again_on_their_cells():
+    """Forces on rigid pillars under a lens that is nearly rigid are in proportion to the modulus of the sample (F = E* f, with 1/E* = sum (1 - nu^2)/E)."""
+    others = {"surface.pillar.compliance": "none", "lens.young_modulus": "70 GPa", "surface.pillar.height": "0.2 um"}
+    surface = fakir.read_case(CASE, {"surface.grid.cells_per_diameter": 8} | others)
+    force = surface.transition().force
+    found = fakir.spread(surface, {"substrate.young_modulus": "10 %"}, samples=3, landing="as_given")
+    moduli = found.to_pandas()["substrate.young_modulus_Pa"].to_numpy()
+    assert found.force == pytest.approx(force * moduli / 2e6, rel=1e-4)
+    of_mean, of_deviation = found.errors()
+    assert of_mean > 0 and of_deviation / np.std(found.force, ddof=1) == pytest.approx(of_mean / np.mean(found.force), rel=1e-3)
+    assert "errors of cells" in str(found) and found.first_order is None
+    with pytest.raises(fakir.DesignError, match=r"have surface\.pillar\.height"):
+        fakir.spread(surface, {"pattern.pillar.height": "5 %"}, samples=3)

@@ -233,6 +233,12 @@ impl Key {
         matches!(self.range(), Some(Range::Whole(..)))
     }
 
+    /// Whether it is a setting of the computation or a count, not a quantity of a sample.
+    #[must_use]
+    pub fn is_setting(self) -> bool {
+        self.is_whole() || self == Self::GridWidth
+    }
+
     /// Accepted words; empty if it accepts something else.
     #[must_use]
     pub fn words(self) -> Vec<&'static str> {

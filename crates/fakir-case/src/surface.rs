@@ -236,6 +236,16 @@ impl CaseFile {
         })
     }
 
+    /// The pillars of a general surface, without generating it; `None` for a height map of a file.
+    ///
+    /// # Errors
+    /// [`CaseError`] for a missing key or an invalid value.
+    pub fn surface_pattern(&self) -> Result<Option<Pattern>, CaseError> {
+        let (kind, parts) = self.surface_parts()?;
+        let is_pattern = kind == Part::Pattern;
+        is_pattern.then(|| self.pattern(&parts)).transpose()
+    }
+
     /// Description of the surface, without generating or reading it.
     pub(crate) fn surface_example(&self) -> Result<SurfaceExample, CaseError> {
         let (kind, parts) = self.surface_parts()?;

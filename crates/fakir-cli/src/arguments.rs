@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_rate};
-use fakir_case::{CaseError, CaseFile, Key, Kind, read_protocol};
+use fakir_case::{CaseError, CaseFile, Key, Kind, SurfaceKind, read_protocol};
 use fakir_inverse::design::{PressedQuantity, Wanted, free_key};
 use fakir_inverse::fit::{
     FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
@@ -919,7 +919,7 @@ pub(crate) struct Design {
     #[arg(long, value_name = "KEY=DEVIATION", value_parser = tolerance)]
     tolerance: Vec<Tolerance>,
     #[arg(long, value_name = "N", help = format!(
-        "Number of samples drawn with these tolerances; {} if there are any", Sampling::SAMPLES
+        "Number of samples drawn with these tolerances; {} if there are any, and {} on a height map", Sampling::SAMPLES, Sampling::SAMPLES_ON_MAP
     ))]
     samples: Option<usize>,
     /// Seed for the samples, and for the assignment of heights to pillars
@@ -970,7 +970,7 @@ impl Design {
             Some(Free::Key(key)) => Some(key),
             None => None,
         };
-        if free.is_none() && self.sampling().is_none() {
+        if free.is_none() && !self.is_spread() {
             return Err(Failure::Argument(
                 "nothing to do: give --free and --critical-force, --force, --pull-off or --floor-share for a design, or \
                  --tolerance or --samples for a spread"
@@ -1004,11 +1004,14 @@ impl Design {
         }))
     }
 
+    /// Whether a scatter is requested.
+    fn is_spread(&self) -> bool {
+        !self.tolerance.is_empty() || self.samples.is_some() || !self.force_at.is_empty()
+    }
+
     /// The sampling, if a scatter is requested.
-    pub(crate) fn sampling(&self) -> Option<Sampling> {
-        let is_asked =
-            !self.tolerance.is_empty() || self.samples.is_some() || !self.force_at.is_empty();
-        is_asked.then(|| Sampling {
+    pub(crate) fn sampling(&self, kind: SurfaceKind) -> Option<Sampling> {
+        self.is_spread().then(|| Sampling {
             tolerances: self.tolerance.clone(),
             landing: if self.keep_offset {
                 Landing::AsGiven
@@ -1016,7 +1019,7 @@ impl Design {
                 Landing::Anywhere
             },
             indentations: self.force_at.clone(),
-            samples: self.samples.unwrap_or(Sampling::SAMPLES),
+            samples: self.samples.unwrap_or(Sampling::default_samples(kind)),
             seed: self.seed,
         })
     }

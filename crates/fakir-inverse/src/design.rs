@@ -361,11 +361,7 @@ impl Reached {
             Self::CriticalOfTops(critical) => critical.contact_radius(),
             Self::PressedTops(contact) => contact.contact_radius.unwrap_or(0.0),
             Self::PulledOffTops(cycle) => cycle.turn.contact_radius.unwrap_or(0.0),
-            Self::CriticalOnMap(critical) => {
-                let [x, y] = critical.answer.floor_contact;
-                let radius = critical.answer.contact.contact_radius.unwrap_or(0.0);
-                larger(radius, x.hypot(y))
-            }
+            Self::CriticalOnMap(critical) => critical.answer.contact_radius().unwrap_or(0.0),
             Self::PressedOnMap(contact) => contact.answer.contact_radius.unwrap_or(0.0),
             Self::PressedFlat(contact) => contact.contact_radius,
             Self::PulledOffFlat(cycle) => cycle.turn.contact_radius,

@@ -17,6 +17,7 @@ pub mod fit;
 pub mod heights;
 pub mod pillar_heights;
 mod result;
+mod sample;
 pub mod spread;
 pub mod target;
 

@@ -236,6 +236,11 @@ struct FirstOrderObject {
 struct StatisticsObject {
     mean: f64,
     standard_deviation: f64,
+    /// Estimated errors of these due to the cells of a height map.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    mean_error_estimate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    standard_deviation_error_estimate: Option<f64>,
     percentiles: Map<String, Value>,
 }
 
@@ -244,6 +249,8 @@ impl SpreadObject {
         let object = |summary: Summary| StatisticsObject {
             mean: summary.mean,
             standard_deviation: summary.deviation,
+            mean_error_estimate: summary.errors.map(|[mean, _]| mean),
+            standard_deviation_error_estimate: summary.errors.map(|[_, deviation]| deviation),
             percentiles: summary
                 .percentiles
                 .iter()

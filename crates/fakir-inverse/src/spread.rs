@@ -2,20 +2,25 @@
 //! are missing, and the lens axis has any position on the lattice. With adhesive tops every sample is also unloaded, which
 //! gives the scatter of pull-off force and hysteresis.
 //!
+//! On a height map every sample is solved again on its cells: pillars are drawn again with the sizes, heights and positions of the sample, and a map of
+//! a file varies as a whole. The errors of the cells are stated for mean and standard deviation.
+//!
 //! In addition to the samples, the scatter to first order is computed from the exact derivatives of the critical
 //! state.
 
 use crate::derivative::ByKey;
+use crate::sample::{SampleError, answers};
 use chacha20::ChaCha12Rng;
-use fakir::problem::{CyclePlan, Disorder, Load, PlaneLattice, Point, Question};
-use fakir::state::{Contact, Derivatives, Run, Solution, SolveError};
+use fakir::problem::{Arrangement, Disorder, Load, Point, Question};
+use fakir::state::{Derivatives, Run, SolveError};
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_quantity};
-use fakir_case::{AnyCase, CaseError, CaseFile, Key, Kind};
-use fakir_study::approach::Loadable;
+use fakir_case::{AnyCase, CaseError, CaseFile, Key, Kind, SurfaceKind};
 use fakir_study::{Column, Table, Values};
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+pub use crate::sample::{Critical, Numbers, PullOff};
 
 /// A varying quantity, normally distributed about its value in the case file.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,8 +95,19 @@ pub struct Sampling {
 impl Sampling {
     /// Default number of samples.
     pub const SAMPLES: usize = 500;
+    /// The same on a height map, where each takes seconds: the standard error of a standard deviation is then 10 % of it.
+    pub const SAMPLES_ON_MAP: usize = 50;
     /// Default seed.
     pub const SEED: u64 = 1;
+
+    /// Default number of samples about a case.
+    #[must_use]
+    pub fn default_samples(kind: SurfaceKind) -> usize {
+        match kind {
+            SurfaceKind::HeightMap => Self::SAMPLES_ON_MAP,
+            SurfaceKind::Pillars | SurfaceKind::Asperities | SurfaceKind::Flat => Self::SAMPLES,
+        }
+    }
 }
 
 /// One sample.
@@ -99,7 +115,7 @@ impl Sampling {
 pub struct Sample {
     /// Values of the varying quantities, in SI units, in the order of the tolerances.
     pub values: Vec<f64>,
-    /// Distance of the lens axis from a pillar centre, in pitches.
+    /// Distance of the lens axis from a pillar centre, in pitches; 0 without a lattice.
     pub offset: f64,
     /// Direction of the offset, rad.
     pub offset_angle: f64,
@@ -109,28 +125,9 @@ pub struct Sample {
     pub outcome: Result<Critical, String>,
     /// Forces (N) at the given indentations; empty for a sample without a critical state.
     pub forces: Vec<f64>,
-}
-
-/// Values of a critical state.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Critical {
-    /// `F_c`, N.
-    pub force: f64,
-    /// `zeta_c`, m.
-    pub indentation: f64,
-    /// `a_c`, m.
-    pub contact_radius: f64,
-    /// Values of the unloading; `None` without adhesion.
-    pub pull_off: Option<PullOff>,
-}
-
-/// Values of the unloading from the critical state, with adhesive tops.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PullOff {
-    /// Pull-off force, N, negative.
-    pub force: f64,
-    /// Area of the loop of force over indentation, J.
-    pub hysteresis: f64,
+    /// On a height map, all these numbers at the ends of the errors that are estimated for its cells, on the side of larger cells; `None` for other
+    /// surfaces, and if the errors are not known.
+    pub at_errors: Option<Numbers>,
 }
 
 /// Standard deviations of the critical state to first order in those of the varying quantities and of the heights of all pillars, from its exact
@@ -150,6 +147,8 @@ pub struct Spread {
     pub samples: Vec<Sample>,
     /// Scatter to first order, or the reason why there is none.
     pub first_order: Result<FirstOrder, String>,
+    /// Keys of what is drawn besides the tolerances.
+    drawn: Option<Drawn>,
 }
 
 /// Errors of a spread.
@@ -181,6 +180,29 @@ pub enum SpreadError {
         "listed pillars have no cell in which a lens lands anywhere: vary pattern.axis_x and pattern.axis_y in its place"
     )]
     NoCell,
+    /// The same on a height map.
+    #[error(
+        "a height map of a file has no cell in which a lens lands anywhere: let it land as given (--keep-offset; landing=\"as_given\" in Python)"
+    )]
+    NoCellOnMap,
+    /// A height map without a floor.
+    #[error(
+        "the scatter is that of the critical state, and a height map has no pillars that define its floor: give surface.floor, the height at or below which it is"
+    )]
+    NoFloor,
+    /// A key that no sample differs in.
+    #[error(
+        "{} has no tolerance: it is a count, a seed or a setting of the computation, not a quantity in which samples differ", .0.path()
+    )]
+    Setting(Key),
+    /// A key that a height map does not have.
+    #[error("{} has no tolerance: {}", key.path(), .instead)]
+    NotOfMap {
+        /// The key.
+        key: Key,
+        /// What is right in its place.
+        instead: String,
+    },
     /// Fewer than two samples.
     #[error("a spread takes at least 2 samples")]
     TooFew,
@@ -208,11 +230,27 @@ pub fn spread(
         return Err(SpreadError::TooFew);
     }
     let case = file.any_case(&[Question::Spread])?;
-    let varied = varied(file, &sampling.tolerances)?;
-    let cell = Cell::of(&case);
-    if cell.is_none() && sampling.landing == Landing::Anywhere {
-        return Err(SpreadError::NoCell);
+    let arrangement = arrangement(&case)?;
+    let varied = varied(file, &case, arrangement.as_ref(), &sampling.tolerances)?;
+    if let AnyCase::HeightMap(file) = &case {
+        if !file.defines_floor() {
+            return Err(SpreadError::NoFloor);
+        }
+        // A surface that is too large, or a file that cannot be read.
+        file.surface_case(run.memory_limit())?;
     }
+    let cell = arrangement.as_ref().and_then(Cell::of);
+    let is_anywhere = sampling.landing == Landing::Anywhere;
+    let is_random = matches!(arrangement, Some(Arrangement::Random(_)));
+    if cell.is_none() && is_anywhere && !is_random {
+        return Err(match case {
+            AnyCase::HeightMap(_) => SpreadError::NoCellOnMap,
+            _ => SpreadError::NoCell,
+        });
+    }
+    let disorder = arrangement.as_ref().and_then(disorder);
+    let is_of_file = arrangement.is_none() && matches!(case, AnyCase::HeightMap(_));
+    let drawn = (!is_of_file).then(|| Drawn::of(&case));
     if let Some(value) = sampling
         .indentations
         .iter()
@@ -220,7 +258,7 @@ pub fn spread(
     {
         return Err(SpreadError::NoIndentation(*value));
     }
-    let first_order = first_order(file, &case, &varied, run)?;
+    let first_order = first_order(file, &case, disorder, &varied, run)?;
     let count = AtomicUsize::new(0);
     // Threads share the samples; every sample is computed by one thread.
     let single = Run {
@@ -232,9 +270,11 @@ pub fn spread(
         let sample = Draw {
             file,
             cell,
+            drawn,
             varied: &varied,
             sampling,
-            scatters: disorder(&case).is_some(),
+            // Random pillars have other positions in every sample.
+            scatters: disorder.is_some() || is_random && is_anywhere,
         }
         .sample(number, &single)?;
         done(count.fetch_add(1, Ordering::Relaxed) + 1);
@@ -252,32 +292,33 @@ pub fn spread(
     Ok(Spread {
         samples: samples?,
         first_order,
+        drawn,
     })
 }
 
-/// The lattice of the pillars; `None` for other arrangements.
-fn lattice(case: &AnyCase) -> Option<PlaneLattice> {
-    match case {
-        AnyCase::Pillars(case) => case.system.arrangement().lattice(),
-        AnyCase::Asperities(case) => case.lattice(),
-        AnyCase::HeightMap(_) | AnyCase::Flat(_) => None,
-    }
+/// The arrangement of the pillars; `None` for a height map of a file and a flat surface.
+fn arrangement(case: &AnyCase) -> Result<Option<Arrangement>, CaseError> {
+    Ok(match case {
+        AnyCase::Pillars(case) => Some(case.system.arrangement().clone()),
+        AnyCase::Asperities(case) => case.lattice().map(Arrangement::from),
+        AnyCase::HeightMap(file) => file.surface_pattern()?.map(|it| it.arrangement),
+        AnyCase::Flat(_) => None,
+    })
 }
 
-/// Scatter of the pillars of a lattice, if any.
-fn disorder(case: &AnyCase) -> Option<Disorder> {
-    let disorder = lattice(case)?.disorder;
-    Some(disorder).filter(|disorder| !disorder.is_none())
+/// Scatter of the pillars, if any.
+fn disorder(arrangement: &Arrangement) -> Option<Disorder> {
+    Some(arrangement.disorder()).filter(|disorder| !disorder.is_none())
 }
 
 /// Scatter to first order, or the reason why there is none.
 fn first_order(
     file: &CaseFile,
     case: &AnyCase,
+    disorder: Option<Disorder>,
     varied: &[(Key, f64, f64)],
     run: &Run<'_>,
 ) -> Result<Result<FirstOrder, String>, SpreadError> {
-    let disorder = disorder(case);
     if disorder.is_some_and(|disorder| disorder.missing > 0.0) {
         return Ok(Err("pillars are there or missing".to_owned()));
     }
@@ -295,7 +336,11 @@ fn first_order(
             let found = case.gradient(load, run).map(|it| it.gradient);
             (found.map(|it| [it.force, it.indentation]), case.height)
         }
-        AnyCase::HeightMap(_) | AnyCase::Flat(_) => (Err(SolveError::NoFloor), 0.0),
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => {
+            return Ok(Err(
+                "the critical state on this surface has no derivatives".to_owned()
+            ));
+        }
     };
     let [of_force, of_indentation] = match found {
         Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
@@ -328,9 +373,22 @@ fn first_order(
 }
 
 /// Varying keys, with mean and standard deviation.
-fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f64)>, SpreadError> {
+fn varied(
+    file: &CaseFile,
+    case: &AnyCase,
+    arrangement: Option<&Arrangement>,
+    tolerances: &[Tolerance],
+) -> Result<Vec<(Key, f64, f64)>, SpreadError> {
     let mut varied: Vec<(Key, f64, f64)> = Vec::new();
     for Tolerance { key, deviation } in tolerances {
+        if key.is_setting() {
+            return Err(SpreadError::Setting(*key));
+        }
+        if matches!(case, AnyCase::HeightMap(_))
+            && let Some(instead) = instead_on_map(file, *key, arrangement.is_some())?
+        {
+            return Err(SpreadError::NotOfMap { key: *key, instead });
+        }
         let mean = match key.kind() {
             Kind::Number(_) => file.given(*key)?,
             Kind::Word | Kind::Text | Kind::List(_) => None,
@@ -351,10 +409,69 @@ fn varied(file: &CaseFile, tolerances: &[Tolerance]) -> Result<Vec<(Key, f64, f6
     Ok(varied)
 }
 
+/// What is right in the place of a key that a height map does not have; `None` for the keys that it has.
+fn instead_on_map(
+    file: &CaseFile,
+    key: Key,
+    has_pillars: bool,
+) -> Result<Option<String>, CaseError> {
+    if file.given(key)?.is_some() {
+        return Ok(None);
+    }
+    let path = key.path();
+    if has_pillars {
+        let of_surface = path
+            .strip_prefix("pattern.")
+            .map(|it| format!("surface.{it}"));
+        let of_surface = of_surface.filter(|path| Key::at(path).is_some());
+        return Ok(of_surface.map(|path| format!("the pillars of a [surface] have {path}")));
+    }
+    let is_of_pillars = path.starts_with("pattern.") || key.is_of_surface();
+    let of_file = [
+        Key::HeightUnit,
+        Key::HeightRange,
+        Key::CellSize,
+        Key::MapWidth,
+        Key::Floor,
+    ];
+    Ok((is_of_pillars && !of_file.contains(&key)).then(|| {
+        "the map of a file varies as a whole: give surface.height_unit or surface.height_range for the scale of its heights, surface.cell_size or \
+         surface.width for its lengths, or a quantity of lens and substrate; for pillars that vary, describe them by surface.arrangement"
+            .to_owned()
+    }))
+}
+
+/// Keys of the position of the lens axis on a lattice and of the seed of its pillars.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Drawn {
+    offset: Key,
+    offset_angle: Key,
+    seed: Key,
+}
+
+impl Drawn {
+    fn of(case: &AnyCase) -> Self {
+        match case {
+            AnyCase::HeightMap(_) => Self {
+                offset: Key::PatternOffset,
+                offset_angle: Key::PatternOffsetAngle,
+                seed: Key::Seed,
+            },
+            AnyCase::Pillars(_) | AnyCase::Asperities(_) | AnyCase::Flat(_) => Self {
+                offset: Key::Offset,
+                offset_angle: Key::OffsetAngle,
+                seed: Key::PillarSeed,
+            },
+        }
+    }
+}
+
 struct Draw<'a> {
     file: &'a CaseFile,
     /// Cell of the lattice; `None` for other arrangements.
     cell: Option<Cell>,
+    /// Keys of what is drawn; `None` without pillars.
+    drawn: Option<Drawn>,
     varied: &'a [(Key, f64, f64)],
     sampling: &'a Sampling,
     /// Whether the samples differ in the heights of their pillars or in missing pillars.
@@ -374,21 +491,23 @@ impl Draw<'_> {
                     mean + deviation * normal
                 })
                 .collect();
-            let (offset, offset_angle) = self.land(&mut random);
+            let landing = self.land(&mut random);
             let mut file = self.file.clone();
             for ((key, _, _), value) in self.varied.iter().zip(&values) {
                 file.set_number(*key, *value);
-            }
-            if self.sampling.landing == Landing::Anywhere {
-                file.set_number(Key::Offset, offset);
-                file.set_number(Key::OffsetAngle, offset_angle);
             }
             // A number of a case file represents 32 bits exactly.
             let pillar_seed = self
                 .scatters
                 .then(|| Distribution::<u32>::sample(&StandardUniform, &mut random));
-            if let Some(seed) = pillar_seed {
-                file.set_number(Key::PillarSeed, f64::from(seed));
+            if let Some(drawn) = self.drawn {
+                if self.sampling.landing == Landing::Anywhere && self.cell.is_some() {
+                    file.set_number(drawn.offset, landing.0);
+                    file.set_number(drawn.offset_angle, landing.1);
+                }
+                if let Some(seed) = pillar_seed {
+                    file.set_number(drawn.seed, f64::from(seed));
+                }
             }
             let case = match file.any_case(&[]) {
                 Ok(case) => case,
@@ -397,51 +516,35 @@ impl Draw<'_> {
                     continue;
                 }
             };
-            let answers = self.answers(&case, run);
-            let (outcome, forces) = match answers {
-                Err(SolveError::Interrupted) => return Err(SolveError::Interrupted.into()),
-                Err(error) => (Err(error.to_string()), Vec::new()),
-                Ok(Err(problem)) => (Err(problem), Vec::new()),
-                Ok(Ok((critical, forces))) => (Ok(critical), forces),
+            let found = match answers(&case, &self.sampling.indentations, run) {
+                Err(SampleError::Case(error)) => {
+                    problem = error.one_line();
+                    continue;
+                }
+                Err(SampleError::Solve(SolveError::Interrupted)) => {
+                    return Err(SolveError::Interrupted.into());
+                }
+                Err(SampleError::Solve(error)) => Err(error.to_string()),
+                Ok(found) => found,
             };
-            let (offset, offset_angle) = landed(&case);
-            return Ok(Sample {
+            let (offset, offset_angle) = landed(&case)?;
+            let mut sample = Sample {
                 values,
                 offset,
                 offset_angle,
                 pillar_seed,
-                outcome,
-                forces,
+                outcome: Err(String::new()),
+                forces: Vec::new(),
+                at_errors: None,
+            };
+            sample.outcome = found.map(|found| {
+                sample.forces = found.numbers.forces;
+                sample.at_errors = found.at_errors;
+                found.numbers.critical
             });
+            return Ok(sample);
         }
         Err(SpreadError::Impossible { problem })
-    }
-
-    /// Critical state of a sample and forces at the indentations, or the reason why there are no reliable
-    /// values.
-    fn answers(
-        &self,
-        case: &AnyCase,
-        run: &Run<'_>,
-    ) -> Result<Result<(Critical, Vec<f64>), String>, SolveError> {
-        let critical = match outcome(case, run)? {
-            Ok(critical) => critical,
-            Err(problem) => return Ok(Err(problem)),
-        };
-        let mut forces = Vec::with_capacity(self.sampling.indentations.len());
-        for indentation in &self.sampling.indentations {
-            let load = Load::Indentation(*indentation);
-            let force = match case {
-                AnyCase::Pillars(case) => force(&**case, load, run),
-                AnyCase::Asperities(case) => force(&**case, load, run),
-                AnyCase::HeightMap(_) | AnyCase::Flat(_) => Err(SolveError::NoFloor),
-            };
-            match force? {
-                Ok(force) => forces.push(force),
-                Err(problem) => return Ok(Err(problem)),
-            }
-        }
-        Ok(Ok((critical, forces)))
     }
 
     /// A position on the lattice, as distance (pitches) and direction from the nearest pillar:
@@ -475,9 +578,9 @@ struct Cell {
 }
 
 impl Cell {
-    /// `None` for listed pillars.
-    fn of(case: &AnyCase) -> Option<Self> {
-        let form = lattice(case)?.form;
+    /// `None` for listed and random pillars.
+    fn of(arrangement: &Arrangement) -> Option<Self> {
+        let form = arrangement.lattice()?.form;
         Some(Self {
             vectors: form.vectors(),
             pitch: form.pitch(),
@@ -486,96 +589,9 @@ impl Cell {
 }
 
 /// Position of the lens axis on a lattice: distance (pitches) and direction (rad) from a pillar.
-fn landed(case: &AnyCase) -> (f64, f64) {
-    lattice(case).map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle))
-}
-
-/// Force of a sample at a load, or the reason why there is no reliable one.
-fn force(
-    case: &impl Loadable,
-    load: Load,
-    run: &Run<'_>,
-) -> Result<Result<f64, String>, SolveError> {
-    let contact = case.press(load, run)?;
-    Ok(contact.problem().map_or_else(|| Ok(contact.force()), Err))
-}
-
-/// Critical state of a sample, or the reason why there is no reliable one.
-fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, SolveError> {
-    match case {
-        AnyCase::Pillars(case) if case.system.adhesion().is_none() => {
-            let critical = fakir::transition(&case.system, case.method, run)?;
-            Ok(Critical::found(
-                &critical.contact,
-                critical.contact_radius(),
-            ))
-        }
-        AnyCase::Pillars(case) => {
-            let cycle = fakir::cycle(&case.system, CyclePlan::default(), case.method, run)?;
-            if let Some(problem) = cycle.problem() {
-                return Ok(Err(problem));
-            }
-            let critical = cycle.critical.as_ref();
-            let critical = critical.map(|it| Ok(Critical::of(&it.contact, it.contact_radius())));
-            let hysteresis = cycle.separation.map(|_| cycle.loop_area);
-            let force = cycle.pull_off.as_ref().map(|it| it.force);
-            Ok(pulled_off(critical, force, hysteresis))
-        }
-        AnyCase::Asperities(case) if case.field.adhesion().is_none() => {
-            let critical = case.field.transition(case.accuracy, run)?;
-            Ok(Critical::found(
-                &critical.contact,
-                critical.contact_radius(),
-            ))
-        }
-        AnyCase::Asperities(case) => {
-            let cycle = case.field.cycle(CyclePlan::default(), case.accuracy, run)?;
-            if let Some(problem) = cycle.problem() {
-                return Ok(Err(problem));
-            }
-            let critical = cycle.critical.as_ref();
-            let critical = critical.map(|it| Critical::found(&it.contact, it.contact_radius()));
-            let force = cycle.pull_off.as_ref().map(|it| it.force);
-            Ok(pulled_off(critical, force, cycle.loop_area))
-        }
-        AnyCase::HeightMap(_) | AnyCase::Flat(_) => Err(SolveError::NoFloor),
-    }
-}
-
-/// Critical state and pull-off of a cycle. Without tensile force the lens detaches without a pull-off force; without hysteresis it does not detach.
-fn pulled_off(
-    critical: Option<Result<Critical, String>>,
-    force: Option<f64>,
-    hysteresis: Option<f64>,
-) -> Result<Critical, String> {
-    let (Some(critical), Some(hysteresis)) = (critical, hysteresis) else {
-        return Err("the lens does not detach".to_owned());
-    };
-    let pull_off = Some(PullOff {
-        force: force.unwrap_or(0.0),
-        hysteresis,
-    });
-    critical.map(|critical| Critical {
-        pull_off,
-        ..critical
-    })
-}
-
-impl Critical {
-    fn of(contact: &impl Contact, contact_radius: f64) -> Self {
-        Self {
-            force: contact.force(),
-            indentation: contact.indentation(),
-            contact_radius,
-            pull_off: None,
-        }
-    }
-
-    /// The values, or the reason why they are not reliable.
-    fn found(contact: &impl Contact, contact_radius: f64) -> Result<Self, String> {
-        let problem = contact.problem();
-        problem.map_or_else(|| Ok(Self::of(contact, contact_radius)), Err)
-    }
+fn landed(case: &AnyCase) -> Result<(f64, f64), CaseError> {
+    let lattice = arrangement(case)?.and_then(|it| it.lattice());
+    Ok(lattice.map_or((0.0, 0.0), |lattice| (lattice.offset, lattice.offset_angle)))
 }
 
 /// Random numbers of one sample.
@@ -593,6 +609,10 @@ pub struct Summary {
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
+    /// Estimated errors of mean and standard deviation due to the cells of a height map: the mean of the estimated errors, and the change of the
+    /// deviation if every sample is moved by its error, towards its value on larger cells. Without the error of a finite number of samples.
+    /// `None` for other surfaces.
+    pub errors: Option<[f64; 2]>,
     /// Percentages and their percentiles.
     pub percentiles: Vec<(f64, f64)>,
 }
@@ -641,19 +661,22 @@ impl Spread {
             numbers(name.to_owned(), values.collect())
         };
         let found = |name: &str, of: fn(&Critical) -> f64| {
-            let values = samples().map(|sample| sample.outcome.as_ref().ok().map(of));
+            let value = |sample: &Sample| sample.outcome.as_ref().ok().map(of);
+            let values = samples().map(|sample| value(sample).filter(|it| it.is_finite()));
             numbers(name.to_owned(), values.collect())
         };
-        columns.extend([
-            drawn(&Key::Offset.column(), |sample| sample.offset),
-            drawn(&Key::OffsetAngle.column(), |sample| sample.offset_angle),
-        ]);
-        if samples().any(|sample| sample.pillar_seed.is_some()) {
-            let seeds = samples().map(|sample| sample.pillar_seed.map(i64::from));
-            columns.push(Column {
-                name: Key::PillarSeed.column(),
-                values: Values::Counts(seeds.collect()),
-            });
+        if let Some(keys) = self.drawn {
+            columns.extend([
+                drawn(&keys.offset.column(), |sample| sample.offset),
+                drawn(&keys.offset_angle.column(), |sample| sample.offset_angle),
+            ]);
+            if samples().any(|sample| sample.pillar_seed.is_some()) {
+                let seeds = samples().map(|sample| sample.pillar_seed.map(i64::from));
+                columns.push(Column {
+                    name: keys.seed.column(),
+                    values: Values::Counts(seeds.collect()),
+                });
+            }
         }
         columns.extend([
             found("critical_force_N", |critical| critical.force),
@@ -689,22 +712,20 @@ impl Spread {
     }
 
     /// Mean, standard deviation and percentiles of one value of the critical states; `None` for
-    /// fewer than two of them.
+    /// fewer than two of them, and of the contact radius of a plate.
     pub fn summary(&self, pick: impl Fn(&Critical) -> f64) -> Option<Summary> {
-        Self::summary_of(self.found().map(pick).collect())
+        self.summary_of(|it| Some(pick(&it.critical)))
     }
 
     /// Mean, standard deviation and percentiles of one value of the unloading; `None` without adhesion.
     pub fn pull_off_summary(&self, pick: impl Fn(&PullOff) -> f64) -> Option<Summary> {
-        let pulled = self.found().filter_map(|it| it.pull_off.as_ref());
-        Self::summary_of(pulled.map(pick).collect())
+        self.summary_of(|it| it.critical.pull_off.as_ref().map(&pick))
     }
 
     /// Mean, standard deviation and percentiles of the force at one of the given indentations, by its index.
     #[must_use]
     pub fn force_summary(&self, place: usize) -> Option<Summary> {
-        let forces = self.samples.iter().filter_map(|it| it.forces.get(place));
-        Self::summary_of(forces.copied().collect())
+        self.summary_of(|it| it.forces.get(place).copied())
     }
 
     /// Whether the samples were unloaded.
@@ -720,22 +741,46 @@ impl Spread {
         self.is_adhesive()
     }
 
-    fn summary_of(mut values: Vec<f64>) -> Option<Summary> {
-        if values.len() < 2 {
+    fn summary_of(&self, pick: impl Fn(&Numbers) -> Option<f64>) -> Option<Summary> {
+        let numbers = |sample: &Sample| {
+            Some(Numbers {
+                critical: *sample.outcome.as_ref().ok()?,
+                forces: sample.forces.clone(),
+            })
+        };
+        let found = || self.samples.iter().filter(|it| it.outcome.is_ok());
+        let values = found().filter_map(|it| pick(&numbers(it)?));
+        let mut values: Vec<f64> = values.collect();
+        if values.len() < 2 || values.iter().any(|value| value.is_nan()) {
             return None;
         }
+        let at_errors: Option<Vec<f64>> = found().map(|it| pick(it.at_errors.as_ref()?)).collect();
+        let at_errors = at_errors.map(|moved| {
+            // Errors of both signs need not cancel in the mean: larger cells may hide a common one.
+            let changes = moved.iter().zip(&values);
+            let of_mean = changes.map(|(one, other)| (one - other).abs()).sum::<f64>();
+            let (_, deviation) = mean_and_deviation(&moved);
+            (of_mean / moved.len() as f64, deviation)
+        });
         values.sort_by(f64::total_cmp);
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let (mean, deviation) = mean_and_deviation(&values);
         Some(Summary {
             mean,
-            deviation: (squares / (count - 1.0)).sqrt(),
+            deviation,
+            errors: at_errors.map(|(of_mean, at_errors)| [of_mean, (at_errors - deviation).abs()]),
             percentiles: PERCENTAGES
                 .map(|percentage| (percentage, percentile(&values, percentage)))
                 .to_vec(),
         })
     }
+}
+
+/// Mean, and standard deviation of a sample.
+fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / (count - 1.0)).sqrt())
 }
 
 /// Name of the column of forces at an indentation (m): `force_at_1.5_um_N`.
@@ -839,7 +884,8 @@ mod tests {
         let sampling = sampling(Vec::new(), Landing::Anywhere, 2);
         let draw = Draw {
             file: &file(),
-            cell: Cell::of(&AnyCase::Pillars(Box::new(case))),
+            cell: Cell::of(case.system.arrangement()),
+            drawn: None,
             varied: &[],
             sampling: &sampling,
             scatters: false,

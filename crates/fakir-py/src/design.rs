@@ -197,10 +197,10 @@ pub(crate) fn design(
 /// The object that `fakir design --json` prints, and the columns of `samples.csv`.
 type Scattered<'py> = (String, PyColumns<'py>);
 
-/// Default number of samples, and default seed.
+/// Default seed of samples.
 #[pyfunction]
-pub(crate) fn sampling_defaults() -> (usize, u64) {
-    (Sampling::SAMPLES, Sampling::SEED)
+pub(crate) fn sampling_seed() -> u64 {
+    Sampling::SEED
 }
 
 /// Parses the standard deviation of a key: `"0.05 um"`, or `"3 %"` of its value. The flag marks a relative value.
@@ -221,12 +221,14 @@ pub(crate) fn spread<'py>(
     tolerances: Vec<(String, f64, bool)>,
     anywhere: bool,
     indentations: Vec<f64>,
-    samples_and_seed: (usize, u64),
+    samples_and_seed: (Option<usize>, u64),
     options: Options,
 ) -> PyResult<Scattered<'py>> {
     for (path, ..) in &tolerances {
         warn_of_former_name(py, path)?;
     }
+    let file = case.file()?;
+    let (samples, seed) = samples_and_seed;
     let sampling = Sampling {
         tolerances: tolerances
             .iter()
@@ -247,10 +249,9 @@ pub(crate) fn spread<'py>(
             Landing::AsGiven
         },
         indentations,
-        samples: samples_and_seed.0,
-        seed: samples_and_seed.1,
+        samples: samples.unwrap_or(Sampling::default_samples(file.surface_kind())),
+        seed,
     };
-    let file = case.file()?;
     let start = Instant::now();
     let spread = watched(py, &options, |run| {
         fakir_inverse::spread::spread(&file, &sampling, run, &|_| {})

@@ -41,7 +41,7 @@ mod _fakir {
     #[pymodule_export]
     use super::command::command;
     #[pymodule_export]
-    use super::design::{cite, design, parse_deviation, sampling_defaults, spread};
+    use super::design::{cite, design, parse_deviation, sampling_seed, spread};
     #[pymodule_export]
     use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly};
     #[pymodule_export]

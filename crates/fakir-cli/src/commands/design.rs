@@ -40,7 +40,7 @@ pub(crate) fn run(
     session: &Session,
 ) -> Result<Designed, Failure> {
     let question = options.question()?;
-    let sampling = options.sampling();
+    let sampling = options.sampling(file.surface_kind());
     let start = Instant::now();
     let answer = match question {
         Some((free, wanted)) => {
@@ -310,7 +310,9 @@ fn critical_rows(answer: &Answer, indentation: f64, known: [usize; 3]) -> String
 }
 
 fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
+    let is_random = spread.samples.iter().all(|it| it.offset <= 0.0);
     let landing = match sampling.landing {
+        Landing::Anywhere if is_random => "the lens landing anywhere among random pillars",
         Landing::Anywhere => "the lens landing anywhere on the lattice",
         Landing::AsGiven => "the lens landing as given",
     };
@@ -330,38 +332,33 @@ fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
     let all = [
         summary(|critical| critical.force),
         summary(|critical| critical.indentation),
-        summary(|critical| critical.contact_radius),
     ];
-    let [Some(force), Some(indentation), Some(radius)] = all else {
+    let [Some(force), Some(indentation)] = all else {
         return format!("{head}\n\nfewer than two of them have a critical state\n");
     };
-    let pulled = |pick: fn(&PullOff) -> f64| {
-        let summary = spread.pull_off_summary(pick);
-        summary.map_or(Vec::new(), |summary| statistics(&summary))
-    };
+    let of = |summary: Option<Summary>| summary.map_or(Vec::new(), |it| statistics(&it));
+    let radius = of(summary(|critical| critical.contact_radius));
+    let pulled = |pick: fn(&PullOff) -> f64| of(spread.pull_off_summary(pick));
     let (pull_off, hysteresis) = (pulled(|it| it.force), pulled(|it| it.hysteresis));
     let forces: Vec<Vec<(String, f64)>> = (0..sampling.indentations.len())
-        .map(|place| {
-            let summary = spread.force_summary(place);
-            summary.map_or(Vec::new(), |summary| statistics(&summary))
-        })
+        .map(|place| of(spread.force_summary(place)))
         .collect();
     let mut rows: Vec<StatisticRow> = statistics(&force)
         .into_iter()
         .zip(statistics(&indentation))
-        .zip(statistics(&radius))
         .enumerate()
-        .map(
-            |(place, (((name, force), (_, indentation)), (_, radius)))| StatisticRow {
+        .map(|(place, ((name, force), (_, indentation)))| {
+            let at = |values: &[(String, f64)]| values.get(place).map(|(_, value)| *value);
+            StatisticRow {
                 name,
                 force,
                 indentation,
-                radius: Some(radius),
-                pull_off: pull_off.get(place).map(|(_, value)| *value),
-                hysteresis: hysteresis.get(place).map(|(_, value)| *value),
+                radius: at(&radius),
+                pull_off: at(&pull_off),
+                hysteresis: at(&hysteresis),
                 forces: forces.iter().map(|of| of[place].1).collect(),
-            },
-        )
+            }
+        })
         .collect();
     if let Ok(first_order) = &spread.first_order {
         let row = StatisticRow {
@@ -385,8 +382,10 @@ fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
             |_| LENGTH_DIGITS,
         ),
         Column::length("indentation", &rows, |row| Some(row.indentation)),
-        Column::length("contact radius", &rows, |row| row.radius),
     ];
+    if !radius.is_empty() {
+        columns.push(Column::length("contact radius", &rows, |row| row.radius));
+    }
     if spread.is_adhesive() {
         columns.push(Column::force(
             "pull-off",
@@ -411,7 +410,15 @@ fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
         0 => String::new(),
         failed => format!(", {failed} without a solution"),
     };
-    format!("{head}{without}\n\n{}", table(&rows, &columns))
+    let precision = force.errors.map_or_else(String::new, |_| {
+        let found = spread.found().count() as f64;
+        // Of normally distributed values.
+        let part = significant(100.0 / (2.0 * (found - 1.0)).sqrt(), 2);
+        format!(
+            "\nThe errors are those of the cells. In addition, {found} samples determine a standard deviation to {part} % of it.\n"
+        )
+    });
+    format!("{head}{without}\n\n{}{precision}", table(&rows, &columns))
 }
 
 struct StatisticRow {
@@ -426,12 +433,18 @@ struct StatisticRow {
     forces: Vec<f64>,
 }
 
-/// Mean, deviation and percentiles with their names.
+/// Mean, deviation, their errors and percentiles with their names.
 fn statistics(summary: &Summary) -> Vec<(String, f64)> {
     let mut rows = vec![
         ("mean".to_owned(), summary.mean),
         ("standard deviation".to_owned(), summary.deviation),
     ];
+    if let Some([mean, deviation]) = summary.errors {
+        rows.extend([
+            ("error of the mean".to_owned(), mean),
+            ("error of the deviation".to_owned(), deviation),
+        ]);
+    }
     rows.extend(summary.percentiles.iter().map(|(percentage, value)| {
         let name = if (percentage - 50.0).abs() < 1e-9 {
             "median".to_owned()

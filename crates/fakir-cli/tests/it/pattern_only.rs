@@ -15,18 +15,13 @@ fn folder(name: &str) -> std::path::PathBuf {
 fn commands_that_do_not_support_a_surface_name_one_that_does() {
     let case = folder("square-pillars.toml");
     let case = case.to_str().expect("a path in UTF-8");
-    let asked: [(&[&str], &str, &str); 3] = [
+    let asked: [(&[&str], &str, &str); 2] = [
         (
             &["compare", case],
             "only one method, boundary elements",
             "`verify`",
         ),
         (&["theory", case], "closed forms", "`transition`"),
-        (
-            &["design", case, "--samples", "10"],
-            "hundreds of samples",
-            "`sweep`",
-        ),
     ];
     for (arguments, reason, instead) in asked {
         let output = Command::new(env!("CARGO_BIN_EXE_fakir"))

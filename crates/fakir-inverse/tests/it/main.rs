@@ -11,6 +11,7 @@ mod flat_design;
 mod height_maps;
 mod heights;
 mod map_design;
+mod map_spread;
 mod measurements;
 mod over_time;
 mod rounded;

@@ -573,13 +573,6 @@ static RULES: &[Rule] = &[
         "only one method, boundary elements, supports a height map",
         "use `verify`, which solves pillars on two meshes, or `press` and `transition`, which estimate their error",
     )),
-    rule(
-        &[Question::Spread],
-        HEIGHT_MAP,
-        &[],
-        "hundreds of samples are solved, and a height map takes seconds for each",
-        "use `sweep` with the quantity as an axis, and take differences over several cells",
-    ),
     // Flat surfaces.
     meaningless(rule(
         ANY,

@@ -60,7 +60,9 @@ pub use run::{Progress, Run, Stage};
 pub use samples::FieldSamples;
 pub(crate) use samples::{sample_cells, sample_points};
 pub use shared::{Contact, Solution};
-pub use surface::{DualityGap, LoadSharing, Share, SurfaceContact, SurfaceTransition};
+pub use surface::{
+    DualityGap, LoadSharing, OnLargerCells, Share, SurfaceContact, SurfaceTransition,
+};
 pub use surface_cycle::{SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep};
 
 /// Former name of [`AdhesiveFloorErrors`].

@@ -42,6 +42,8 @@ pub struct SurfaceContact {
     pub area_error: Option<f64>,
     /// The same for the load carried by the floor, if it is defined.
     pub floor_error: Option<FloorErrors>,
+    /// The numbers on cells of twice the size, if there are such cells: the side on which the estimated errors are more likely.
+    pub larger_cells: Option<OnLargerCells>,
     /// Why the solver stopped.
     pub termination: Termination,
     /// Number of operator products on the last level.
@@ -133,6 +135,17 @@ impl SurfaceContact {
     pub fn mean_pressure(&self) -> f64 {
         self.force / (self.grid.cell_count() as f64 * self.grid.cell_area())
     }
+}
+
+/// Numbers of a contact on cells of twice the size.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct OnLargerCells {
+    /// Normal force, N.
+    pub force: f64,
+    /// Indentation, m.
+    pub indentation: f64,
+    /// Contact radius, m; `None` for a plate.
+    pub contact_radius: Option<f64>,
 }
 
 /// The critical state on a general surface.

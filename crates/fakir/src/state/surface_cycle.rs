@@ -54,6 +54,8 @@ pub struct SurfaceCycle {
     pub loop_area: Option<f64>,
     /// Estimated relative errors.
     pub errors: Option<SurfaceCycleErrors>,
+    /// Pull-off force, N, and area of the loop, J, on cells of twice the size; none without unloading.
+    pub larger_cells: Option<[f64; 2]>,
     /// Why the solver stopped.
     pub termination: Termination,
 }

@@ -38,8 +38,8 @@ use crate::problem::{
     UnloadingPoint, Unsupported,
 };
 use crate::state::{
-    ErrorEstimate, FloorErrors, Regime, Run, SolveError, SurfaceContact, SurfaceCycle,
-    SurfaceCycleErrors, SurfaceTransition,
+    ErrorEstimate, FloorErrors, OnLargerCells, Regime, Run, SolveError, SurfaceContact,
+    SurfaceCycle, SurfaceCycleErrors, SurfaceTransition,
 };
 
 impl SurfaceSystem {
@@ -59,6 +59,7 @@ impl SurfaceSystem {
         let removed_floor = self.removed_floor(until_floor)?;
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
+        let mut larger_cells = None;
         check_whole(self, run)?;
         for surface in self.levels() {
             let mut level = Level::new(self, surface, removed_floor, run);
@@ -69,6 +70,7 @@ impl SurfaceSystem {
             if !self.adhesion().is_none() {
                 let (followed, pressed) = level.follow(control, self.adhesion(), false)?;
                 history.push(results(&followed.level, &pressed));
+                larger_cells = solved.as_ref().map(on_larger_cells);
                 solved = Some((followed.level, pressed));
                 continue;
             }
@@ -80,10 +82,15 @@ impl SurfaceSystem {
                 None => level.close_floor()?,
             };
             history.push(results(&level, &pressed));
+            larger_cells = solved.as_ref().map(on_larger_cells);
             solved = Some((level, pressed));
         }
         let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
-        self.with_errors(control, level, &pressed, self.estimated(&history))
+        let contact = self.with_errors(control, level, &pressed, self.estimated(&history))?;
+        Ok(SurfaceContact {
+            larger_cells,
+            ..contact
+        })
     }
 
     /// The floor, if it is without contact: where it is ignored, and until it is reached.
@@ -276,6 +283,10 @@ impl SurfaceSystem {
             loop_area: unloaded(work),
             load_steps: followed.steps,
             errors: errors.filter(|_| plan.retract),
+            larger_cells: match of_cycles[..] {
+                [.., [pull_off, _, work], _] if plan.retract => Some([pull_off, work]),
+                _ => None,
+            },
             termination,
         })
     }
@@ -341,6 +352,15 @@ fn results(level: &Level<'_>, pressed: &Pressed) -> [f64; RESULTS] {
         share,
         on_floor.area,
     ]
+}
+
+/// Force, indentation and contact radius of the last solved level, before a level of smaller cells.
+fn on_larger_cells((level, pressed): &(Level<'_>, Pressed)) -> OnLargerCells {
+    OnLargerCells {
+        force: pressed.force,
+        indentation: pressed.indentation,
+        contact_radius: level.contact_radius(),
+    }
 }
 
 /// Number of levels.

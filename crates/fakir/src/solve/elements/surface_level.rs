@@ -389,9 +389,10 @@ impl<'a> Level<'a> {
         (0..self.pressure.len()).filter(|cell| is_loaded(self.pressure[*cell]))
     }
 
-    /// Distance of the farthest cell in contact from the lens axis.
-    fn contact_radius(&self) -> f64 {
-        self.farthest(|[x, y]| x.hypot(y))
+    /// Distance of the farthest cell in contact from the lens axis; a plate has none.
+    pub(super) fn contact_radius(&self) -> Option<f64> {
+        let lens = self.system.indenter().lens();
+        lens.map(|_| self.farthest(|[x, y]| x.hypot(y)))
     }
 
     /// Distance of the farthest cell in contact from the lowest point or line of the lens.
@@ -646,7 +647,7 @@ impl<'a> Level<'a> {
             indentation: pressed.indentation,
             force: pressed.force,
             contact_area: self.contact_area(),
-            contact_radius: self.system.indenter().lens().map(|_| self.contact_radius()),
+            contact_radius: self.contact_radius(),
             shares: floor.map(|floor| self.shares(floor)),
             nearest_floor,
             warnings,
@@ -656,6 +657,7 @@ impl<'a> Level<'a> {
             error: None,
             area_error: None,
             floor_error: None,
+            larger_cells: None,
             termination: pressed.termination,
             products: self.products,
             pressure: self.pressure,
