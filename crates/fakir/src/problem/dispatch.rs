@@ -267,12 +267,6 @@ impl Unsupported {
         instead: "leave out the works of adhesion, or use `sweep` with the quantity as an axis and take differences over several cells",
         with: &[ADHESIVE_TOPS],
     };
-    /// Derivatives on a height map on layers.
-    pub(crate) const GRADIENT_OF_LAYERS: Self = Self {
-        why: "derivatives of contacts on height maps are those on half-spaces",
-        instead: "leave out the thicknesses, or use `sweep` with the quantity as an axis",
-        with: &[LAYER],
-    };
     /// Adhesion on cells that are not square.
     pub(crate) const BUT_FOR_SQUARE_CELLS: Self = Self {
         why: "the laws of the edges of an adhesive contact are those of square cells",
@@ -553,11 +547,6 @@ static RULES: &[Rule] = &[
         &[Question::Gradient],
         HEIGHT_MAP,
         Unsupported::GRADIENT_WITH_ADHESION,
-    ),
-    line(
-        &[Question::Gradient],
-        HEIGHT_MAP,
-        Unsupported::GRADIENT_OF_LAYERS,
     ),
     meaningless(rule(
         &[Question::Theory],

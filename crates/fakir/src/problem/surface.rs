@@ -3,7 +3,7 @@
 use super::adhesion::Adhesion;
 use super::height_map::HeightMap;
 use super::interactions::Interactions;
-use super::layer::{Layer, WeightedLayer};
+use super::layer::{Body, Layer, WeightedLayer};
 use super::lens::{Lens, Material, ShapedLens};
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
 use super::system::FloorModel;
@@ -307,15 +307,23 @@ impl SurfaceSystem {
         self.layers.iter().any(Option::is_some)
     }
 
+    /// The substrate, and the indenter unless it is rigid.
+    fn bodies(&self) -> Vec<Body> {
+        let [substrate, indenter] = self.layers;
+        let of_indenter = (self.indenter.material()).map(|material| (material, indenter));
+        std::iter::once((self.substrate, substrate))
+            .chain(of_indenter)
+            .collect()
+    }
+
     /// The layers, in m.
     pub(crate) fn weighted_layers(&self) -> Vec<WeightedLayer> {
-        let [substrate, indenter] = self.layers;
-        let of_indenter = self
-            .indenter
-            .material()
-            .map(|material| (material, indenter));
-        let bodies = std::iter::once((self.substrate, substrate)).chain(of_indenter);
-        WeightedLayer::among(&bodies.collect::<Vec<_>>(), 1.0)
+        WeightedLayer::among(&self.bodies(), 1.0)
+    }
+
+    /// [Derivatives](WeightedLayer::changes) of the correction for layers, in m.
+    pub(crate) fn layer_changes(&self) -> Vec<(Quantity, Vec<WeightedLayer>)> {
+        WeightedLayer::changes(&self.bodies(), 1.0)
     }
 
     /// The boundary condition.

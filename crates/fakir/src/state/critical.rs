@@ -2,7 +2,6 @@
 
 use super::asperity_contact::AsperityContact;
 use super::contact::{ContactState, relative};
-use super::surface::SurfaceContact;
 use crate::problem::{Method, Point, PunchForm, System};
 
 /// The part of the surface that the lens touches first.
@@ -137,15 +136,6 @@ impl Critical<AsperityContact> {
     pub fn contact_radius(&self) -> f64 {
         let [x, y] = self.floor_contact;
         self.contact.contact_radius.unwrap_or(0.0).max(x.hypot(y))
-    }
-}
-
-impl Critical<SurfaceContact> {
-    /// Critical contact radius: the larger of the contact radius and the distance of the floor contact from the lens axis, m; `None` under a plate.
-    #[must_use]
-    pub fn contact_radius(&self) -> Option<f64> {
-        let [x, y] = self.floor_contact;
-        Some(self.contact.contact_radius?.max(x.hypot(y)))
     }
 }
 

@@ -151,6 +151,15 @@ pub struct OnLargerCells {
 /// The critical state on a general surface.
 pub type SurfaceTransition = Critical<SurfaceContact>;
 
+impl SurfaceTransition {
+    /// Critical contact radius: the larger of the contact radius and the distance of the floor contact from the lens axis, m; `None` under a plate.
+    #[must_use]
+    pub fn contact_radius(&self) -> Option<f64> {
+        let [x, y] = self.floor_contact;
+        Some(self.contact.contact_radius?.max(x.hypot(y)))
+    }
+}
+
 /// Load sharing between tops and floor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LoadSharing {

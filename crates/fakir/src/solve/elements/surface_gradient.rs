@@ -4,36 +4,34 @@
 //! the separation `g`. Cells join or leave the contact with neither pressure nor gap, so that to first order they stay: with the solution `q` for
 //! `zeta - g = 1`, the contact of a flat end of their shape, the stiffness is the sum of `q`, and a change of a quantity changes the force by
 //! `q (-dg - dc B p - dC p)`.
+//!
+//! On layers `B` is the response of the half-spaces and a correction, which is linear in the weights of the layers: its derivative by a thickness, a modulus or a
+//! Poisson's ratio is the correction for other weights, applied to the same pressures.
 
 use super::solver::Prescribed;
 use super::surface_level::Level;
-use crate::problem::{Load, Material, Quantity, SurfaceSystem, Unsupported};
+use crate::halfspace::elements::Operator;
+use crate::halfspace::elements::half_space::HalfSpace;
+use crate::problem::layer::WeightedLayer;
+use crate::problem::{Cells, Load, Material, Quantity, SurfaceSystem, Unsupported};
 use crate::state::{Derivatives, Gradient, Run, SolveError, SurfaceContact};
 
 impl SurfaceSystem {
-    /// The contact with the derivatives of force or indentation by the numbers of the bodies: moduli, Poisson's ratios, and the radius of the lens, in
-    /// which its lowest point stays where it is.
+    /// The contact with the derivatives of force or indentation by the numbers of the bodies: moduli, Poisson's ratios, those of layers and their bases,
+    /// thicknesses, and the radius of the lens, in which its lowest point stays where it is.
     ///
     /// They are those of the solution on its cells. Pillars shorten in inverse proportion to the modulus of the substrate. The contact area has no
     /// derivative, as it changes in steps of cells.
     ///
     /// # Errors
-    /// As [`press`](Self::press); [`SolveError::NoGradient`] if nothing is touched, and for the critical state; [`SolveError::Unsupported`] with adhesion
-    /// and for layers.
+    /// As [`press`](Self::press); [`SolveError::NoGradient`] if nothing is touched, and for the critical state; [`SolveError::Unsupported`] with adhesion.
     pub fn gradient(
         &self,
         load: Load,
         run: &Run<'_>,
     ) -> Result<Gradient<SurfaceContact>, SolveError> {
-        let unsupported = [
-            (
-                !self.adhesion().is_none(),
-                Unsupported::GRADIENT_WITH_ADHESION,
-            ),
-            (self.has_layers(), Unsupported::GRADIENT_OF_LAYERS),
-        ];
-        if let Some((_, reason)) = unsupported.into_iter().find(|(holds, _)| *holds) {
-            return Err(SolveError::Unsupported(reason));
+        if !self.adhesion().is_none() {
+            return Err(SolveError::Unsupported(Unsupported::GRADIENT_WITH_ADHESION));
         }
         let none = |why| SolveError::NoGradient { why };
         let is_force_given = match load {
@@ -53,6 +51,11 @@ impl SurfaceSystem {
             .filter(|cell| contact.pressure[*cell] > 0.0)
             .collect();
         let unit = self.flat_end(&in_contact, run)?;
+        if in_contact.iter().any(|cell| unit[*cell] <= 0.0) {
+            return Err(none(
+                "a part of the contact detaches from a flat end of its shape, as layers rise beside a load; change the load a little",
+            ));
+        }
         let area = contact.grid.cell_area();
         let sum = |of: &dyn Fn(usize) -> f64| {
             area * in_contact
@@ -103,6 +106,7 @@ impl SurfaceSystem {
             let moved = sum(&|cell| lens.by_radius(place(cell)));
             forces.push((Quantity::LensRadius, -moved));
         }
+        self.add_layers(&contact, &mut forces, run, &sum)?;
         let indentations = forces.iter().map(|(name, by)| (*name, -by / stiffness));
         let of = |quantities| Derivatives {
             heights: Vec::new(),
@@ -117,6 +121,45 @@ impl SurfaceSystem {
             contact,
         }
         .with_checked_derivatives()
+    }
+
+    /// Adds the derivatives of the force by what changes the response of layers. `sum` is the sum over the cells in contact, weighted by the pressures
+    /// of a flat end.
+    fn add_layers(
+        &self,
+        contact: &SurfaceContact,
+        forces: &mut Vec<(Quantity, f64)>,
+        run: &Run<'_>,
+        sum: &dyn Fn(&dyn Fn(usize) -> f64) -> f64,
+    ) -> Result<(), SolveError> {
+        let changes = self.layer_changes();
+        if changes.is_empty() {
+            return Ok(());
+        }
+        let grid = &contact.grid;
+        let loaded = Cells::where_true(grid, |cell| contact.pressure[cell] > 0.0);
+        let mut pressure = vec![0.0; loaded.len()];
+        loaded.gather(&contact.pressure, &mut pressure);
+        let displaced = |layers: &[WeightedLayer]| {
+            let compliance = self.contact_compliance();
+            let cells = loaded.clone();
+            let mut operator = HalfSpace::new(self.boundary(), cells, compliance, layers, run.pool);
+            let mut displacement = vec![0.0; loaded.len()];
+            operator.apply(&pressure, &mut displacement);
+            let mut everywhere = vec![0.0; grid.cell_count()];
+            loaded.scatter(&displacement, &mut everywhere);
+            sum(&|cell| everywhere[cell])
+        };
+        let without_layers = displaced(&[]);
+        for (quantity, layers) in changes {
+            run.check_cancelled()?;
+            let change = without_layers - displaced(&layers);
+            match forces.iter_mut().find(|(name, _)| *name == quantity) {
+                Some((_, by)) => *by += change,
+                None => forces.push((quantity, change)),
+            }
+        }
+        Ok(())
     }
 
     /// Pressures per unit indentation of a flat end that covers these cells.
