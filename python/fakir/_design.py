@@ -20,7 +20,7 @@ from ._run import Progress, options, warn_of_interactions
 from ._settings import SEED
 from ._state import ContactState, CriticalState, radius
 from ._system import System
-from .bem import Surface, SurfaceContact, SurfaceTransition
+from .bem import Surface, SurfaceContact, SurfaceCycle, SurfaceTransition
 from .errors import DesignError
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ class Candidate(NamedTuple):
         | AsperityCycle
         | SurfaceTransition
         | SurfaceContact
+        | SurfaceCycle
         | FlatContact
         | FlatCycle
     )
@@ -59,15 +60,13 @@ class Candidate(NamedTuple):
         return self.system.transition()
 
     @property
-    def cycle(self) -> Cycle | AsperityCycle | FlatCycle:
+    def cycle(self) -> Cycle | AsperityCycle | SurfaceCycle | FlatCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         reached = self.reached
-        if isinstance(reached, (Cycle, AsperityCycle, FlatCycle)):
+        if isinstance(reached, (Cycle, AsperityCycle, SurfaceCycle, FlatCycle)):
             return reached
         if isinstance(self.system, FlatSystem):
             return self.system.cycle(to=self.state.indentation)
-        if isinstance(self.system, Surface):
-            raise DesignError("adhesion, and cycles, are not supported on a height map")
         return self.system.cycle()
 
     @property
@@ -113,7 +112,7 @@ class Design(Result):
         return self._found.critical
 
     @property
-    def cycle(self) -> Cycle | AsperityCycle | FlatCycle:
+    def cycle(self) -> Cycle | AsperityCycle | SurfaceCycle | FlatCycle:
         """Its loading and unloading cycle; computed on access unless a pull-off force was the target."""
         return self._found.cycle
 
@@ -128,7 +127,7 @@ class Design(Result):
         reached = self._found.reached
         contact: list[Row]
         of_tops = (AsperityTransition, AsperityContact, AsperityCycle)
-        of_other_surfaces = (SurfaceTransition, SurfaceContact, FlatContact, FlatCycle)
+        of_other_surfaces = (SurfaceTransition, SurfaceContact, SurfaceCycle, FlatContact, FlatCycle)
         if isinstance(reached, (Cycle, *of_tops, *of_other_surfaces)):
             contact = reached._rows()
         elif isinstance(reached, CriticalState):
@@ -276,6 +275,8 @@ def _candidate(
         surface = Surface._of(case)
         if isinstance(found, _fakir.SurfaceTransition):
             return Candidate(value, surface, SurfaceTransition(SurfaceContact(surface, found.contact), found))
+        if isinstance(found, tuple):
+            return Candidate(value, surface, surface._cycle(found))
         return Candidate(value, surface, SurfaceContact(surface, found))
     if isinstance(case, _fakir.Asperities):
         tops = AsperityArray._of(case)

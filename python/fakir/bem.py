@@ -316,8 +316,13 @@ class Surface(Viscoelastic):
         """
         length, force, *_ = checked_plan(to, to_force, "displacement", None, retract)
         run = options(threads, progress, memory_limit)
-        answer, curve, turn, pull_off = _fakir.cycle_surface(self._surface, length, force, retract, run)
-        warn(answer.warnings)
+        found = _fakir.cycle_surface(self._surface, length, force, retract, run)
+        warn(found[0].warnings)
+        return self._cycle(found)
+
+    def _cycle(self, found: tuple[Any, ...]) -> SurfaceCycle:
+        """A cycle on this surface."""
+        answer, curve, turn, pull_off = found
         strongest = None if pull_off is None else SurfaceContact(self, pull_off)
         return SurfaceCycle(answer, curve, SurfaceContact(self, turn), strongest)
 

@@ -13,7 +13,8 @@
 //! on the share and limits the range.
 //!
 //! On a height map every contact is solved again on its cells, on which it changes in small steps. The target is met to within the estimated error of the
-//! cells, which [`Answer::error`] converts into that of the value; the range ends where a contact cannot be solved.
+//! cells, which [`Answer::error`] converts into that of the value; the range ends where a contact cannot be solved. With adhesion the whole loading is
+//! followed at every value, and the steps of a cell are part of the estimated error.
 //!
 //! The force at an indentation, or the contact radius under a load, is searched in the same way, on every surface; on a flat surface, which has no critical
 //! state, these and the pull-off force are the targets.
@@ -27,13 +28,15 @@ use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens, SurfaceSystem};
 use fakir::state::{
     AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FlatContact,
-    FlatCycle, FloorContact, Run, Solution, SolveError, SurfaceContact, SurfaceTransition,
+    FlatCycle, FloorContact, Run, Solution, SolveError, SurfaceContact, SurfaceCycle,
+    SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{AnyCase, CaseError, CaseFile, Key, SurfaceKind};
 use fakir_study::numbers::{DIGITS, LENGTH_DIGITS, digits, with_unit};
 use fakir_study::result::control_words;
 use fakir_study::surfaces::{Answered, on_wide_enough_a_grid};
+use std::f64::consts::SQRT_2;
 use std::ops::Bound;
 
 /// Target of a design, for the critical state or for the contact under a load.
@@ -266,6 +269,8 @@ pub enum Reached {
     CriticalOnMap(Box<Answered<SurfaceTransition>>),
     /// The contact with a height map under the load of a target.
     PressedOnMap(Box<Answered<SurfaceContact>>),
+    /// The cycle on a height map of a target pull-off force.
+    PulledOffOnMap(Box<Answered<SurfaceCycle>>),
     /// The contact with a flat surface under the load of a target.
     PressedFlat(Box<FlatContact>),
     /// The cycle on a flat surface of a target pull-off force.
@@ -294,17 +299,19 @@ impl Reached {
             | Self::PulledOffTops(_)
             | Self::CriticalOnMap(_)
             | Self::PressedOnMap(_)
+            | Self::PulledOffOnMap(_)
             | Self::PressedFlat(_)
             | Self::PulledOffFlat(_) => None,
         }
     }
 
-    /// The contact with a height map; `None` for other surfaces.
+    /// The contact with a height map, of a cycle that at the end of loading; `None` for other surfaces.
     #[must_use]
     pub fn on_map(&self) -> Option<&SurfaceContact> {
         match self {
             Self::CriticalOnMap(critical) => Some(&critical.answer.contact),
             Self::PressedOnMap(contact) => Some(&contact.answer),
+            Self::PulledOffOnMap(cycle) => Some(&cycle.answer.turn),
             _ => None,
         }
     }
@@ -340,6 +347,7 @@ impl Reached {
             Self::PulledOffTops(cycle) => cycle.turn.force,
             Self::CriticalOnMap(critical) => critical.answer.contact.force,
             Self::PressedOnMap(contact) => contact.answer.force,
+            Self::PulledOffOnMap(cycle) => cycle.answer.turn.force,
             Self::PressedFlat(contact) => contact.force,
             Self::PulledOffFlat(cycle) => cycle.turn.force,
         }
@@ -363,6 +371,7 @@ impl Reached {
             Self::PulledOffTops(cycle) => cycle.turn.contact_radius.unwrap_or(0.0),
             Self::CriticalOnMap(critical) => critical.answer.contact_radius().unwrap_or(0.0),
             Self::PressedOnMap(contact) => contact.answer.contact_radius.unwrap_or(0.0),
+            Self::PulledOffOnMap(cycle) => cycle.answer.turn.contact_radius.unwrap_or(0.0),
             Self::PressedFlat(contact) => contact.contact_radius,
             Self::PulledOffFlat(cycle) => cycle.turn.contact_radius,
         }
@@ -380,6 +389,13 @@ impl Reached {
                 cycle.pull_off.as_ref().map(|contact| contact.force),
                 cycle.errors.pull_off_force,
             ),
+            Self::PulledOffOnMap(cycle) => {
+                let SurfaceCycle {
+                    pull_off, errors, ..
+                } = &cycle.answer;
+                let error = errors.map_or(f64::NAN, |errors| errors.pull_off_force);
+                (pull_off.as_ref().map(|contact| contact.force), error)
+            }
             Self::PulledOffFlat(cycle) => {
                 let pull_off = cycle.pull_off.as_ref();
                 let error = pull_off.map_or(0.0, |contact| contact.error.force);
@@ -432,6 +448,7 @@ impl Reached {
             Self::PulledOffTops(cycle) => cycle.as_ref(),
             Self::CriticalOnMap(critical) => &critical.answer.contact,
             Self::PressedOnMap(contact) => &contact.answer,
+            Self::PulledOffOnMap(cycle) => &cycle.answer,
             Self::PressedFlat(contact) => contact.as_ref(),
             Self::PulledOffFlat(cycle) => cycle.as_ref(),
         }
@@ -547,7 +564,13 @@ impl Answer {
             Wanted::FloorShare { .. } => of_excess / SHARE_POWER,
             _ => of_excess,
         };
-        Some(of_target / sensitivity.abs()).filter(|error| error.is_finite())
+        // With adhesion the results at both ends of the step scatter by half of the estimate, and so does the sensitivity.
+        let of_sensitivity = match candidate.case.is_adhesive() {
+            true => SCATTER * of_excess * SQRT_2 / (2.0 * STEP_WITH_ADHESION * sensitivity.abs()),
+            false => 0.0,
+        };
+        let error = of_target / sensitivity.abs() * (1.0 + of_sensitivity);
+        Some(error).filter(|error| error.is_finite())
     }
 
     fn value(&self, candidate: &Candidate) -> String {
@@ -767,6 +790,12 @@ const COARSE_JUMP: f64 = 1e-7;
 /// The same on a height map, whose results jump by whole cells; much narrower than a sample can be made.
 const JUMP_OF_CELLS: f64 = 1e-4;
 
+/// Half of the step in `ln x` for the sensitivity on an adhesive height map, whose results scatter by some per cent.
+const STEP_WITH_ADHESION: f64 = 0.4;
+
+/// Scatter of results on adhesive height maps as a fraction of their estimated error, which is at least twice the difference between two sizes of cells.
+const SCATTER: f64 = 0.5;
+
 /// A floor share to this power is nearly linear in the load past the transition.
 const SHARE_POWER: f64 = 2.0 / 3.0;
 
@@ -847,6 +876,7 @@ pub fn design(
         method: Some(Method::Homogenised),
         has_outlines: is_flat && !wanted.is_coarse(),
         is_on_map,
+        is_adhesive: case.is_adhesive(),
     };
     let estimate = if !is_flat || wanted.is_pull_off() {
         // The homogenised lattice has no adhesion and no rounded tops.
@@ -1026,6 +1056,8 @@ struct Search<'a> {
     has_outlines: bool,
     /// Whether the surface is a height map.
     is_on_map: bool,
+    /// Whether the surface is adhesive.
+    is_adhesive: bool,
 }
 
 /// The contact at one value.
@@ -1216,6 +1248,10 @@ impl Search<'_> {
                     contact.shares.map(|_| contact).ok_or(SolveError::NoFloor)
                 })?;
                 Reached::PressedOnMap(Box::new(answered))
+            }
+            (AnyCase::HeightMap(file), Wanted::PullOff { load, .. }) => {
+                let answered = self.on_map(file, |system| system.cycle(plan(load), self.run))?;
+                Reached::PulledOffOnMap(Box::new(answered))
             }
             (AnyCase::HeightMap(file), Wanted::Pressed { load, .. }) => {
                 let answered = self.on_map(file, |system| system.press(load, self.run))?;
@@ -1534,16 +1570,22 @@ impl Search<'_> {
     fn sensitivity(&self, found: &Candidate) -> Result<f64, DesignError> {
         // Floor shares and pull-off forces have fewer significant digits and require a longer step.
         let step = match self.is_coarse() {
+            true if self.is_on_map && self.is_adhesive => STEP_WITH_ADHESION,
             true if self.is_on_map => 5e-2,
             true => 1e-2,
             false => 1e-3,
         };
         let middle = found.value.ln();
         let sides = [self.trial(middle - step)?, self.trial(middle + step)?];
-        let logarithms = sides.map(|trial| {
-            let candidate = trial.outcome.ok()?;
+        let logarithm = |candidate: &Candidate| {
             let answer = self.wanted.of(&candidate.reached) / self.wanted.value();
             (answer > 0.0).then(|| (candidate.value.ln(), answer.ln()))
+        };
+        let logarithms = sides.map(|trial| match &trial.outcome {
+            Ok(candidate) => logarithm(candidate),
+            // A long step may lead to a contact that cannot be solved.
+            Err(_) if self.is_on_map => logarithm(found),
+            Err(_) => None,
         });
         Ok(match logarithms {
             [Some(low), Some(high)] if high.0 > low.0 => (high.1 - low.1) / (high.0 - low.0),

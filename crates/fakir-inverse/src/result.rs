@@ -9,7 +9,7 @@ use fakir_study::VERSION;
 use fakir_study::record::{AsperityAnswer, AsperityCritical, FlatAnswer, Object, SurfaceAnswer};
 use fakir_study::result::{
     CycleSummary, asperity_cycle, asperity_press, asperity_transition, flat_cycle, flat_press,
-    press, surface_press, surface_transition, transition,
+    press, surface_cycle, surface_press, surface_transition, transition,
 };
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -154,6 +154,14 @@ impl AnswerObject {
                     answer: &found.answer,
                 };
                 state = Some(surface_press(&contact, wall_time));
+            }
+            (Reached::PulledOffOnMap(found), _) => {
+                let answer = SurfaceAnswer {
+                    system: &found.case.system,
+                    answer: &found.answer,
+                };
+                let object = surface_cycle(&answer, None, wall_time);
+                cycle = Some(CycleObject::Other(object));
             }
             (Reached::PressedFlat(contact), AnyCase::Flat(case)) => {
                 let system = &case.system;

@@ -8,7 +8,7 @@ use crate::load::{load, load_or_critical};
 use crate::settings::key;
 use crate::state::{Critical, Cycle, State};
 use crate::study::{PyColumns, columns};
-use crate::surface::Surface;
+use crate::surface::{self, Surface};
 use crate::watched::{Options, watched};
 use fakir_case::{AnyCase, CaseFile};
 use fakir_inverse::DesignSummary;
@@ -162,6 +162,11 @@ pub(crate) fn design(
                         let surface = Surface::of_case(found.case, *file);
                         let critical = surface.reached(py, found.answer, wall_time)?;
                         (surface, critical.into_any())
+                    }
+                    Reached::PulledOffOnMap(found) => {
+                        let surface = Surface::of_case(found.case, *file);
+                        let cycle = surface::cycle_answer(py, &surface, found.answer, wall_time)?;
+                        (surface, cycle.into_pyobject(py)?.into_any().unbind())
                     }
                     Reached::PressedOnMap(found) => {
                         let surface = Surface::of_case(found.case, *file);

@@ -352,10 +352,10 @@ pub(crate) fn approach_surface(
 }
 
 /// Points of a curve: branch, indentation (m), force (N) and contact area (m^2).
-type Curve = Vec<(&'static str, f64, f64, f64)>;
+pub(crate) type Curve = Vec<(&'static str, f64, f64, f64)>;
 
 /// A cycle, its curve, and the contacts at the end of loading and at pull-off.
-type Cycled = (
+pub(crate) type Cycled = (
     Py<Answer>,
     Curve,
     Py<SurfaceContact>,
@@ -381,7 +381,16 @@ pub(crate) fn cycle_surface(
     let start = Instant::now();
     let cycle = watched(py, &options, |run| surface.system.cycle(plan, run))?;
     let cycle = cycle.map_err(|error| solve_error(&error))?;
-    let wall_time = start.elapsed().as_secs_f64();
+    cycle_answer(py, surface, cycle, start.elapsed().as_secs_f64())
+}
+
+/// A cycle on a surface.
+pub(crate) fn cycle_answer(
+    py: Python<'_>,
+    surface: &Surface,
+    cycle: fakir::state::SurfaceCycle,
+    wall_time: f64,
+) -> PyResult<Cycled> {
     let answer = SurfaceAnswer {
         system: &surface.system,
         answer: &cycle,

@@ -23,7 +23,8 @@ use fakir_study::report::Report;
 use fakir_study::report::state::{QuantityList, radius_digits};
 use fakir_study::report::table::{Column, list, table};
 use fakir_study::result::{
-    asperity_cycle_warnings, asperity_warnings, cycle_warnings, json, warnings,
+    asperity_cycle_warnings, asperity_warnings, cycle_warnings, json, surface_cycle_warnings,
+    warnings,
 };
 use std::time::Instant;
 
@@ -159,6 +160,9 @@ fn warnings_of(found: &Candidate) -> Vec<String> {
             with_widening(warnings(&found.answer.contact), &found.widened)
         }
         (Reached::PressedOnMap(found), _) => with_widening(warnings(&found.answer), &found.widened),
+        (Reached::PulledOffOnMap(found), _) => {
+            with_widening(surface_cycle_warnings(&found.answer), &found.widened)
+        }
         (Reached::CriticalOfTops(critical), _) => warnings(&critical.contact),
         (Reached::PressedTops(contact), _) => warnings(contact.as_ref()),
         (Reached::PulledOffTops(cycle), _) => warnings(&cycle.turn),
@@ -211,6 +215,11 @@ fn design_text(answer: &Answer, described: &Described) -> String {
         Reached::PulledOff(cycle) => {
             let mut rows = QuantityList::default();
             fakir_study::answer::turn_and_pull_off(&mut rows, cycle);
+            with_sensitivity(answer, rows)
+        }
+        Reached::PulledOffOnMap(cycle) => {
+            let mut rows = QuantityList::default();
+            fakir_study::answer::turn_and_pull_off_of_surface(&mut rows, &cycle.answer);
             with_sensitivity(answer, rows)
         }
         Reached::PulledOffTops(cycle) => {

@@ -10,6 +10,7 @@ mod flat;
 mod flat_design;
 mod height_maps;
 mod heights;
+mod map_adhesion;
 mod map_design;
 mod map_spread;
 mod measurements;

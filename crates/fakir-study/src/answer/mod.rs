@@ -32,6 +32,7 @@ pub use cycle::turn_and_pull_off;
 pub use flat::{quantities_of_flat, turn_and_pull_off_of_flat};
 pub use height_map::load_and_shares;
 pub use request::{AnswerError, Details, Maps, Request, Running};
+pub use surface_cycle::turn_and_pull_off_of_surface;
 
 use crate::citations::Topic;
 use crate::provenance::Provenance;

@@ -141,7 +141,7 @@ fn answer<'a>(cycle: &'a SurfaceCycle, case: &'a SurfaceCase) -> SurfaceAnswer<'
 }
 
 /// The end of loading and the pull-off of a cycle.
-fn turn_and_pull_off_of_surface(list: &mut QuantityList, cycle: &SurfaceCycle) {
+pub fn turn_and_pull_off_of_surface(list: &mut QuantityList, cycle: &SurfaceCycle) {
     let turn = &cycle.turn;
     let error = turn.error.map_or(f64::NAN, |error| error.force);
     list.state(

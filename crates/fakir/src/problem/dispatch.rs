@@ -513,11 +513,11 @@ static RULES: &[Rule] = &[
     )),
     // Height maps.
     rule(
-        &[Question::Fit, Question::Design, Question::FloorShare],
+        &[Question::Fit],
         HEIGHT_MAP,
         &[ADHESIVE_TOPS],
-        "with adhesion a contact follows from the whole loading, cell by cell, and changes in steps that a search cannot follow",
-        "leave out the works of adhesion, or use `sweep` with the quantity as an axis",
+        "with adhesion a contact follows from the whole loading, cell by cell, and changes in steps that least squares cannot follow",
+        "leave out the works of adhesion, or find one parameter from a measured pull-off force by `design`",
     ),
     rule(
         ANY,
