@@ -106,7 +106,13 @@ impl SurfaceSystem {
             let moved = sum(&|cell| lens.by_radius(place(cell)));
             forces.push((Quantity::LensRadius, -moved));
         }
-        self.add_layers(&contact, &mut forces, run, &sum)?;
+        for (quantity, moved) in self.layer_displacements(&contact, run)? {
+            let change = -sum(&|cell| moved[cell]);
+            match forces.iter_mut().find(|(name, _)| *name == quantity) {
+                Some((_, by)) => *by += change,
+                None => forces.push((quantity, change)),
+            }
+        }
         let indentations = forces.iter().map(|(name, by)| (*name, -by / stiffness));
         let of = |quantities| Derivatives {
             heights: Vec::new(),
@@ -123,43 +129,38 @@ impl SurfaceSystem {
         .with_checked_derivatives()
     }
 
-    /// Adds the derivatives of the force by what changes the response of layers. `sum` is the sum over the cells in contact, weighted by the pressures
-    /// of a flat end.
-    fn add_layers(
+    /// Derivatives of the displacement of every cell under the same pressures, by what changes the response of layers.
+    fn layer_displacements(
         &self,
         contact: &SurfaceContact,
-        forces: &mut Vec<(Quantity, f64)>,
         run: &Run<'_>,
-        sum: &dyn Fn(&dyn Fn(usize) -> f64) -> f64,
-    ) -> Result<(), SolveError> {
+    ) -> Result<Vec<(Quantity, Vec<f64>)>, SolveError> {
         let changes = self.layer_changes();
         if changes.is_empty() {
-            return Ok(());
+            return Ok(Vec::new());
         }
         let grid = &contact.grid;
         let loaded = Cells::where_true(grid, |cell| contact.pressure[cell] > 0.0);
         let mut pressure = vec![0.0; loaded.len()];
         loaded.gather(&contact.pressure, &mut pressure);
         let displaced = |layers: &[WeightedLayer]| {
-            let compliance = self.contact_compliance();
-            let cells = loaded.clone();
+            let (cells, compliance) = (loaded.clone(), self.contact_compliance());
             let mut operator = HalfSpace::new(self.boundary(), cells, compliance, layers, run.pool);
             let mut displacement = vec![0.0; loaded.len()];
             operator.apply(&pressure, &mut displacement);
-            let mut everywhere = vec![0.0; grid.cell_count()];
-            loaded.scatter(&displacement, &mut everywhere);
-            sum(&|cell| everywhere[cell])
+            displacement
         };
         let without_layers = displaced(&[]);
-        for (quantity, layers) in changes {
+        let change = |(quantity, layers): (Quantity, Vec<WeightedLayer>)| {
             run.check_cancelled()?;
-            let change = without_layers - displaced(&layers);
-            match forces.iter_mut().find(|(name, _)| *name == quantity) {
-                Some((_, by)) => *by += change,
-                None => forces.push((quantity, change)),
-            }
-        }
-        Ok(())
+            let mut change = displaced(&layers);
+            let pairs = change.iter_mut().zip(&without_layers);
+            pairs.for_each(|(with, without)| *with -= without);
+            let mut everywhere = vec![0.0; grid.cell_count()];
+            loaded.scatter(&change, &mut everywhere);
+            Ok((quantity, everywhere))
+        };
+        changes.into_iter().map(change).collect()
     }
 
     /// Pressures per unit indentation of a flat end that covers these cells.
