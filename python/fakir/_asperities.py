@@ -63,7 +63,7 @@ class AsperityArray(Viscoelastic):
     accuracy
         ``"default"``, or ``"accurate"``: a pressure of degree 2 on each contact, or of degree 4.
     adhesion
-        An `Adhesion`, or the work of adhesion (J/m^2), of all tops.
+        An `Adhesion`, or the work of adhesion (J/m^2), of all tops; with `floor=True` also of the floor.
 
     Examples
     --------
@@ -108,13 +108,9 @@ class AsperityArray(Viscoelastic):
         works = None
         if adhesion is not None:
             given = adhesion if isinstance(adhesion, Adhesion) else Adhesion(adhesion)
-            if given.floor:
-                raise ValueError(
-                    "the adhesion of the floor is not computed under rounded tops: leave floor=True out"
-                )
             if given.work_receding is not None:
                 raise ValueError("rounded tops support one work of adhesion: leave work_receding out")
-            works = (given.work, None)
+            works = (given.work, None, given.floor)
         lens, plate = indenter_settings(indenter, substrate)
         if compliance not in {"column", "none"}:
             raise ValueError(f'compliance is {compliance!r}: give "column" or "none"')
@@ -215,7 +211,7 @@ class AsperityArray(Viscoelastic):
 
         The indentation is zero where the indenter is level with the reference height. Past the transition the
         floor carries load too, under a lens that comes closest to it near its axis. With adhesion of the tops the result is the contact
-        on loading, from first touch on; the floor carries pressures only.
+        on loading, from first touch on; the floor carries pressures only, unless it is adhesive too.
         """
         run = options(threads, progress, memory_limit)
         contact = _fakir.press_asperities(self._asperities, *load(indentation, force), run)
@@ -291,7 +287,7 @@ class AsperityArray(Viscoelastic):
 
     @property
     def adhesion(self) -> Adhesion | None:
-        """The adhesion of the tops; None without."""
+        """The adhesion of the tops, and of the floor if that is adhesive too; None without."""
         works = self._asperities.adhesion
         return None if works is None else Adhesion(*works)
 
@@ -341,7 +337,7 @@ class AsperityContact(AsperityPressNumbers):
     gap: FloatArray
     """Gap above every top that is not touched, m; 0 for the others."""
     floor: FloorContact | None
-    """The contact with the floor; None before the transition, and past it with adhesion."""
+    """The contact with the floor; None before the transition."""
 
     def __init__(self, tops: AsperityArray, contact: _fakir.AsperityContact) -> None:
         super().__init__(contact)

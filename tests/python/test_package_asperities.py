@@ -221,11 +221,15 @@ def test_the_floor_is_reached_at_the_transition():
         tops().transition()
 
 
-def test_a_floor_under_rounded_tops_is_not_adhesive():
-    with pytest.raises(ValueError, match="adhesion of the floor is not computed"):
-        fakir.AsperityArray(
-            0.0, 0.0, "1 um", "0.5 mm", GLASS, RUBBER, adhesion=fakir.Adhesion(0.05, floor=True)
-        )
+def test_an_adhesive_floor_is_kept_and_needs_an_axis():
+    """As case files: a plate has no point that is closest to the floor."""
+    floor = fakir.Adhesion(0.05, floor=True)
+    lens = fakir.Lens("20 mm", "70 GPa", 0.22)
+    found = fakir.AsperityArray(0.0, 0.0, "40 um", "526 um", lens, RUBBER, diameter="0.5 mm", adhesion=floor)
+    assert found.adhesion == floor
+    plate = fakir.AsperityArray(0.0, 0.0, "1 um", "0.5 mm", GLASS, RUBBER, adhesion=floor)
+    with pytest.raises(fakir.FakirError, match="floor contact is not computed"):
+        plate.press(force="1 mN")
 
 
 LOW = """

@@ -4,7 +4,7 @@ use crate::case::{Spacing, bounds_beside, lower, write_toml};
 use crate::error::CaseError;
 use crate::file::CaseFile;
 use crate::key::{Key, Setting};
-use crate::parts::{MethodName, Parts};
+use crate::parts::{Flag, MethodName, Parts};
 use crate::pillars::{HEIGHT, check_rounded, overlap};
 use crate::table::Part;
 use fakir::problem::{
@@ -92,6 +92,10 @@ impl AsperityCase {
         if !adhesion.is_none() {
             parts.pattern.adhesion.work = adhesion.work;
             keys.push(Key::WorkOfAdhesion);
+        }
+        if adhesion.floor {
+            parts.pattern.adhesion.floor = Flag(true);
+            keys.push(Key::AdhesiveFloor);
         }
         if let Some(receding) = adhesion.work_receding {
             parts.pattern.adhesion.work_receding = receding;
@@ -391,6 +395,7 @@ impl CaseFile {
                     Key::WorkOfAdhesion
                 )));
         }
+        self.check_adhesive_floor(adhesion, parts.pattern.floor)?;
         let top_radius = parts.pattern.top_radius;
         let asperity = |[x, y, height, diameter]: [f64; 4], common: f64| Asperity {
             apex: [x, y],

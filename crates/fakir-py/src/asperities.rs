@@ -40,7 +40,7 @@ pub(crate) struct Asperities {
 #[pymethods]
 impl Asperities {
     /// `pillars` contains x, y, height above the floor, and diameter (m), which is NaN if not defined; `lens` contains the numbers and words
-    /// of the keys of both bodies, `plate` modulus and Poisson's ratio, or neither for a rigid plate; `layers` are the substrate and the indenter if they are not half-spaces, `adhesion` the works of adhesion where contact is made and broken.
+    /// of the keys of both bodies, `plate` modulus and Poisson's ratio, or neither for a rigid plate; `layers` are the substrate and the indenter if they are not half-spaces, `adhesion` the works of adhesion where contact is made and broken, and whether the floor is adhesive.
     #[new]
     fn new(
         pillars: Vec<[f64; 4]>,
@@ -52,7 +52,7 @@ impl Asperities {
         layers: [Option<LayerNumbers>; 2],
         column: bool,
         accurate: bool,
-        adhesion: Option<(f64, Option<f64>)>,
+        adhesion: Option<(f64, Option<f64>, bool)>,
     ) -> PyResult<Self> {
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
         let (indenter, lens) = match lens {
@@ -74,11 +74,11 @@ impl Asperities {
         let [film, of_indenter] = layers.map(|layer| layer.map(layer_of));
         let field = field.with_layers(film, of_indenter).map_err(value_error)?;
         let field = match adhesion {
-            Some((work, work_receding)) => field
+            Some((work, work_receding, floor)) => field
                 .with_adhesion(Adhesion {
                     work,
                     work_receding,
-                    floor: false,
+                    floor,
                 })
                 .map_err(value_error)?,
             None => field,
@@ -172,11 +172,11 @@ impl Asperities {
         }
     }
 
-    /// Works of adhesion where contact is made and broken, J/m^2; none without adhesion.
+    /// Works of adhesion where contact is made and broken, J/m^2, and whether the floor is adhesive; none without adhesion.
     #[getter]
-    fn adhesion(&self) -> Option<(f64, Option<f64>)> {
+    fn adhesion(&self) -> Option<(f64, Option<f64>, bool)> {
         let adhesion = self.case.field.adhesion();
-        (!adhesion.is_none()).then_some((adhesion.work, adhesion.work_receding))
+        (!adhesion.is_none()).then_some((adhesion.work, adhesion.work_receding, adhesion.floor))
     }
 
     /// Modulus and Poisson's ratio of the substrate.

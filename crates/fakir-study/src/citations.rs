@@ -82,6 +82,7 @@ impl Topic {
         [Self::Asperities]
             .into_iter()
             .chain(adhesive.then_some(Self::AdhesiveAsperities))
+            .chain(case.field.adhesion().floor.then_some(Self::AdhesiveSurface))
             .chain(case.field.has_layers().then_some(Self::Layers))
             .chain(range.map(|_| Self::AttractionRange))
             .collect()

@@ -122,7 +122,7 @@ fn what_rounded_tops_do_not_have_is_refused() {
         ),
         (
             with("[adhesion]\nwork = \"50 mJ/m2\"\nfloor = true\n"),
-            "adhesion.floor: the floor under rounded tops carries pressures only",
+            "adhesion.floor: floor contact is not computed under rounded tops for a cylinder or a plate",
         ),
         (
             with("[adhesion]\nwork_receding = \"50 mJ/m2\"\n"),

@@ -95,6 +95,9 @@ impl<'a> AsperityAnswer<'a> {
 
     /// Effects that are neglected.
     fn left_out(&self) -> &'static [&'static str] {
+        if self.field.is_floor_loaded() && self.field.adhesion().floor {
+            return &[];
+        }
         match (
             self.field.is_floor_loaded(),
             self.field.adhesion().is_none(),

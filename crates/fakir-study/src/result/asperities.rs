@@ -17,6 +17,9 @@ const SMALL_CONTACT: f64 = 0.3;
 #[must_use]
 pub fn left_out_words(answer: AsperityAnswer<'_>) -> &'static str {
     let adhesive = !answer.field.adhesion().is_none();
+    if answer.contact.floor.is_some() && answer.field.adhesion().floor {
+        return "tops and floor carry load, both with adhesion";
+    }
     match (
         answer.contact.floor.is_some(),
         answer.neglects_floor(),

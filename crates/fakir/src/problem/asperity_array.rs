@@ -210,7 +210,7 @@ impl AsperityArray {
         })
     }
 
-    /// The same array with adhesion of the tops. [`Adhesion::floor`] has no meaning here.
+    /// The same array with adhesion of the tops, and of the floor if [`Adhesion::floor`] is set.
     ///
     /// # Errors
     /// Works of adhesion must be zero or positive, and the receding one at least the other.

@@ -204,6 +204,9 @@ impl Feature {
             Self::TiltedPlate => lens.is_some_and(ShapedLens::is_tilted),
             Self::IgnoredFloor => field.floor_model() == FloorModel::Ignored,
             Self::AdhesiveTops => !field.adhesion().is_none(),
+            Self::AdhesiveFloor => {
+                field.adhesion().floor && field.floor_model() != FloorModel::Ignored
+            }
             Self::Layer => field.has_layers(),
             Self::FloorInteraction => field.interactions().act_on_floor(),
             _ => false,
@@ -465,9 +468,16 @@ static RULES: &[Rule] = &[
     rule(
         ANY,
         ASPERITIES,
-        &[ADHESIVE_FLOOR],
-        "the floor under rounded tops carries pressures only: its adhesion is not computed",
+        &[ADHESIVE_FLOOR, WITHOUT_AXIS],
+        "floor contact is not computed under rounded tops for a cylinder or a plate, which is closest to the floor outside the pillars, nor for a punch",
         "use adhesion of the tops only",
+    ),
+    rule(
+        &[Question::FloorShare],
+        ASPERITIES,
+        &[ADHESIVE_FLOOR],
+        "the lens jumps onto an adhesive floor, where the fraction of the load that it carries jumps to tension: one fraction belongs to several loads, or to none",
+        "use adhesion of the tops only, or read the fraction along the loading of `approach`",
     ),
     rule(
         ANY,

@@ -11,7 +11,7 @@ use super::floor_start::FloorPressures;
 use super::mixed::checked_floor;
 use super::newton::FLOOR_DEGREE;
 use super::path::{End, Path};
-use super::rules::bonded_floor::{BondedFloor, FloorStation};
+use super::rules::bonded_floor::{BondedFloor, ENTERED, FloorStation};
 use super::rules::floor::FloorCells;
 use super::rules::floor_fronts::{FloorFronts, FloorMove};
 use super::rules::fronts::Course;
@@ -34,9 +34,6 @@ const NARROWER: f64 = 0.9;
 /// pillars attach.
 const REACH_MARGIN_LOADING: f64 = 1.0;
 const REACH_MARGIN_UNLOADING: f64 = 0.01;
-
-/// Penetration, relative to the pillar height, above which a gap counts as negative.
-const ENTERED: f64 = 1e-5;
 
 /// Smallest and intended number of cells along the radius of the first patch, and smallest side of a cell, in pillar radii.
 const CELLS_ALONG_PATCH: f64 = 10.0;
@@ -168,15 +165,10 @@ impl<'a> Path<'a> {
         };
         let scale = floor.cells.unit_cell().recip();
         let pressures = self.contact.floor_coefficients().iter().map(|c| scale * c);
+        let data = (self.contact.floor_load(), pressures);
+        let entered = ENTERED * self.scene.height;
         let bonded = floor.cells.loaded();
-        if which != FloorMove::TakeBack {
-            floor
-                .fronts
-                .measure(bonded, self.contact.floor_load(), pressures);
-        }
-        let moves = floor
-            .fronts
-            .moves(bonded, which, ENTERED * self.scene.height);
+        let moves = floor.fronts.round(bonded, which, data, entered);
         let bonds = which == FloorMove::Advance;
         for (cell, factor) in floor.fronts.shift(floor.cells.states(), &moves, bonds) {
             self.contact.scale_floor(cell, factor);

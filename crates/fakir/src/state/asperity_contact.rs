@@ -25,7 +25,7 @@ pub struct AsperityState {
 }
 
 /// Derivatives of force and area. Those with respect to heights are at constant indentation. They are one-sided at loads at which contacts
-/// begin or end. Past the transition they are differences of contacts on one grid.
+/// begin or end. Past the transition they are differences of contacts on one grid; with adhesion, derivatives with the same cells of the floor in contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AsperitySlopes {
     /// Derivative of the force with respect to the indentation, N/m.

@@ -91,16 +91,16 @@ pub struct AsperityCycle {
 }
 
 impl AsperityCycle {
-    /// Adds the differences from the same cycle on larger cells of the floor to the errors.
-    pub(crate) fn compare(&mut self, other: &Self) {
+    /// Adds the differences from the same cycle on larger cells of the floor, times a factor, to the errors.
+    pub(crate) fn compare(&mut self, other: &Self, factor: f64) {
         let relative = |one: Option<f64>, two: Option<f64>| match (one, two) {
             (Some(one), Some(two)) if other.converged() => (two / one - 1.0).abs(),
             (None, None) => 0.0,
             _ => 1.0,
         };
         let force = |cycle: &Self| cycle.pull_off.as_ref().map(|contact| contact.force);
-        self.errors.pull_off_force += relative(force(self), force(other));
-        self.errors.loop_area += relative(self.loop_area, other.loop_area);
+        self.errors.pull_off_force += factor * relative(force(self), force(other));
+        self.errors.loop_area += factor * relative(self.loop_area, other.loop_area);
     }
 
     /// Whether the solver converged.

@@ -1,6 +1,7 @@
 //! Disc-shaped contacts in the units of the solver.
 
 use crate::problem::Point;
+use std::sync::Arc;
 
 /// The boundary of a contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +37,8 @@ pub(crate) struct Contacts {
     pub(crate) nearest: Vec<Point>,
     /// For every asperity without contact, the gap at this point.
     pub(crate) gaps: Vec<f64>,
+    /// The cells of an adhesive floor that are in contact, in increasing order.
+    pub(crate) bonded: Arc<[usize]>,
 }
 
 impl Contacts {

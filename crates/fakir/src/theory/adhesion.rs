@@ -11,7 +11,7 @@
 use crate::numerics::roots::{Point, find, least};
 use crate::problem::quantity::Requirement;
 use crate::problem::{InvalidQuantity, Quantity};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 /// Pull-off force of a flat punch, N, negative: `-sqrt(8 pi w E* a^3)`. It is independent of the compliance of a column below the punch and
 /// of the machine.
@@ -236,6 +236,12 @@ fn reduced_dugdale_force(lambda: f64, s: f64) -> f64 {
     let linear = 4.0 / 3.0 * lambda * lambda * (s * t - s * s / (m + 1.0));
     let radius = 2.0 / (linear + (linear * linear + 4.0 * quadratic).sqrt());
     radius.powi(3) - lambda * radius * radius * (s + m * m * t)
+}
+
+/// Height to which the edge of a contact of this radius of curvature is pulled up at a depth, and the depth over which adhesion acts, for a work of
+/// adhesion `ratio` relative to the modulus (Johnson, Kendall & Roberts).
+pub(crate) fn edge_rise(ratio: f64, radius: f64, depth: f64) -> f64 {
+    (TAU * ratio * (radius * (depth + ratio)).sqrt()).sqrt() + (ratio * ratio * radius).cbrt()
 }
 
 #[cfg(test)]

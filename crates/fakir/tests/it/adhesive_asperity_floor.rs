@@ -4,7 +4,8 @@ use fakir::problem::{
     Accuracy, Adhesion, Asperity, AsperityArray, CyclePlan, FloorModel, Indenter, LensShape, Load,
     LoadingMode, Material, Point, ShapedLens, UnloadingPoint,
 };
-use fakir::state::{AsperityContact, FloorContact, Run};
+use fakir::state::{AsperityContact, AsperityCycle, FloorContact, Run};
+use fakir::verify_asperities;
 use std::f64::consts::PI;
 
 /// Lengths in um, and a reduced modulus of 1 Pa: forces in um^2 Pa, works of adhesion in um Pa.
@@ -36,6 +37,15 @@ fn array(depth: f64, tops: &[Top], work: f64) -> AsperityArray {
     let array = AsperityArray::new(lens, Material::new(1.0, 0.0), tops.collect());
     let array = array.unwrap().with_floor(depth * UM).unwrap();
     array.with_adhesion(Adhesion::new(work * UM)).unwrap()
+}
+
+/// The same array with an adhesive floor.
+fn with_adhesive_floor(array: &AsperityArray) -> AsperityArray {
+    let adhesion = Adhesion {
+        floor: true,
+        ..array.adhesion()
+    };
+    array.clone().with_adhesion(adhesion).unwrap()
 }
 
 fn pressed(array: &AsperityArray, load: Load) -> AsperityContact {
@@ -84,6 +94,23 @@ fn little_adhesion_is_none() {
     }
 }
 
+/// Expected: the contact without adhesion, which is computed by another method. The fronts of the floor move cell by cell.
+#[test]
+fn little_adhesion_of_the_floor_is_none() {
+    let load = Load::Indentation(1.6 * UM);
+    let plain = pressed(&far_top(150.0, 1.0, 0.0), load);
+    let found = pressed(&with_adhesive_floor(&far_top(150.0, 1.0, 2e-6)), load);
+    told(&plain);
+    told(&found);
+    let force = found.force / plain.force - 1.0;
+    let share = floor(&found).share / floor(&plain).share - 1.0;
+    println!("{force:e} {share:e}");
+    let [own, other] = [&found, &plain].map(|it| it.error.unwrap().force);
+    assert!(force.abs() < own + other && own < 0.02);
+    let [own, other] = [&found, &plain].map(|it| floor(it).error.share);
+    assert!(share.abs() < own + other && own < 0.05);
+}
+
 /// Indentation and force of an isolated contact of radius `b`: K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971).
 fn jkr(radius: f64, work: f64, b: f64) -> [f64; 2] {
     [
@@ -96,41 +123,55 @@ fn jkr(radius: f64, work: f64, b: f64) -> [f64; 2] {
 /// other as by a point force, `F/(pi E* r)`: the next terms are smaller by the squares of the radii over the distance, a percent of the displacement.
 #[test]
 fn a_far_top_and_the_floor_are_those_of_superposition() {
-    let (away, work, depth) = (150.0, 2e-3, 1.0);
-    // The top is touched at an indentation of 0.6.
-    let level = 0.5 * away * away / (LENS + TOP);
-    let array = array(depth, &[([away, 0.0], 30.0, level - 0.6)], work);
-    assert!((array.first_touch() / UM - 0.6).abs() < 1e-9);
-    let indentation = 1.6;
-    let found = pressed(&array, Load::Indentation(indentation * UM));
-    told(&found);
-    let radius = (TOP.recip() + LENS.recip()).recip();
-    // The contact is where the slopes of top and lens are equal.
-    let distance = away * LENS / (LENS + TOP);
-    let mut forces = [0.0; 2];
-    for _ in 0..50 {
-        let [of_top, of_floor] = forces;
-        let entered = indentation - 0.6 - of_floor / (PI * distance);
-        let (mut low, mut high) = (2.0, 40.0);
-        for _ in 0..80 {
-            let middle = 0.5 * (low + high);
-            match jkr(radius, work, middle)[0] < entered {
-                true => low = middle,
-                false => high = middle,
-            }
+    let (away, work, depth, indentation) = (150.0, 2e-3, 1.0, 1.6);
+    let plain = far_top(away, depth, work);
+    assert!((plain.first_touch() / UM - 0.6).abs() < 1e-9);
+    for (array, most) in [(with_adhesive_floor(&plain), 0.4), (plain, 0.01)] {
+        let found = pressed(&array, Load::Indentation(indentation * UM));
+        told(&found);
+        let radius = (TOP.recip() + LENS.recip()).recip();
+        // The contact is where the slopes of top and lens are equal.
+        let distance = away * LENS / (LENS + TOP);
+        let mut forces = [0.0; 2];
+        for _ in 0..50 {
+            let [of_top, of_floor] = forces;
+            let entered = indentation - 0.6 - of_floor / (PI * distance);
+            let past = indentation - depth - of_top / (PI * distance);
+            forces = [
+                jkr_at(radius, work, entered),
+                match array.adhesion().floor {
+                    true => jkr_at(LENS, work, past),
+                    false => 4.0 / 3.0 * LENS.sqrt() * past.powf(1.5),
+                },
+            ];
         }
-        let past = indentation - depth - of_top / (PI * distance);
-        forces = [
-            jkr(radius, work, low)[1],
-            4.0 / 3.0 * LENS.sqrt() * past.powf(1.5),
-        ];
+        let on_top = found.asperities[0].force / FORCE / forces[0] - 1.0;
+        let on_floor = floor(&found).force / FORCE / forces[1] - 1.0;
+        println!("{forces:?}: {on_top:e} {on_floor:e}");
+        let error = floor(&found).error.share + found.error.unwrap().force;
+        assert!(on_top.abs() < 2e-3, "{on_top}");
+        assert!(on_floor.abs() < error + 1e-3 && error < most, "{on_floor}");
+        assert!(on_floor.abs() < 0.05, "{on_floor}");
     }
-    let on_top = found.asperities[0].force / FORCE / forces[0] - 1.0;
-    let on_floor = floor(&found).force / FORCE / forces[1] - 1.0;
-    println!("{forces:?}: {on_top:e} {on_floor:e}");
-    let error = floor(&found).error.share + found.error.unwrap().force;
-    assert!(on_top.abs() < 1e-3, "{on_top}");
-    assert!(on_floor.abs() < error + 1e-3 && error < 0.01, "{on_floor}");
+}
+
+/// A top that is touched at an indentation of 0.6, at a distance from the axis.
+fn far_top(away: f64, depth: f64, work: f64) -> AsperityArray {
+    let level = 0.5 * away * away / (LENS + TOP);
+    array(depth, &[([away, 0.0], 30.0, level - 0.6)], work)
+}
+
+/// The force on such a contact at an indentation.
+fn jkr_at(radius: f64, work: f64, indentation: f64) -> f64 {
+    let (mut low, mut high) = (2.0, 90.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        match jkr(radius, work, middle)[0] < indentation {
+            true => low = middle,
+            false => high = middle,
+        }
+    }
+    jkr(radius, work, low)[1]
 }
 
 /// Expected: at the critical state the floor carries nothing, just past it little; an unreachable floor changes nothing.
@@ -216,7 +257,7 @@ fn a_cycle_past_the_transition_loses_the_floor_again() {
         let of = |array: &AsperityArray| array.cycle(plan, Accuracy::Default, &run).unwrap();
         let found = of(&array);
         let without = of(&array.clone().with_floor_model(FloorModel::Ignored));
-        let ratio = |of: fn(&fakir::state::AsperityCycle) -> f64| of(&found) / of(&without) - 1.0;
+        let ratio = |of: fn(&AsperityCycle) -> f64| of(&found) / of(&without) - 1.0;
         let off = [
             ratio(|it| it.pull_off.as_ref().unwrap().force),
             ratio(|it| it.loop_area.unwrap()),
@@ -239,7 +280,64 @@ fn a_cycle_past_the_transition_loses_the_floor_again() {
     }
 }
 
-/// The floor is reached before the only top. Expected: Hertz's contact with the floor, `F = 4/3 E* sqrt(R) d^(3/2)`; past the touch of the top,
+/// Expected: the lens on the floor as Johnson, Kendall and Roberts, `F = -3/2 pi w R` at pull-off, lowered by the far top as by a point force, which
+/// changes pull-off by less than the force on that top; the fronts dissipate energy, and the loop is closed.
+#[test]
+#[ignore = "slow: both branches of a cycle on two grids with moving fronts"]
+fn an_adhesive_floor_pulls_the_lens_off() {
+    let work = 2e-3;
+    let plain = far_top(150.0, 1.0, work);
+    let run = Run::default();
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(1.3 * UM),
+        ..CyclePlan::default()
+    };
+    let of = |array: &AsperityArray| array.cycle(plan, Accuracy::Default, &run).unwrap();
+    let (without, found) = (of(&plain), of(&with_adhesive_floor(&plain)));
+    let force = |cycle: &AsperityCycle| cycle.pull_off.as_ref().unwrap().force / FORCE;
+    let expected = -1.5 * PI * work * LENS;
+    println!(
+        "{} {} {expected} {:?} {:?} {:?} {:?}",
+        force(&without),
+        force(&found),
+        [without.loop_area, found.loop_area],
+        found.dissipation,
+        found.certificate(),
+        found.errors
+    );
+    assert!(found.converged() && without.converged());
+    let off = (force(&found) - expected).abs();
+    assert!(off < found.errors.pull_off_force * expected.abs() + force(&without).abs());
+    assert!(found.errors.pull_off_force < 0.1);
+    assert!(force(&found) < force(&without));
+    assert!(found.dissipation > without.dissipation && without.dissipation > 0.0);
+    assert!(found.certificate().unwrap() < found.errors.loop_area);
+    assert!(found.separation.unwrap() <= without.separation.unwrap() + 1e-9 * UM);
+}
+
+/// Expected: boundary elements on tops and floor, with adhesion of both, which share the laws of fronts only.
+#[test]
+#[ignore = "slow: an adhesive floor among several tops, against boundary elements"]
+fn an_adhesive_floor_as_with_boundary_elements() {
+    let array = with_adhesive_floor(&array(1.0, &WIDE, 1e-3));
+    let load = Load::Indentation(1.9 * UM);
+    let found = verify_asperities(&array, load, 24, &Run::default()).unwrap();
+    told(&found.discs);
+    let elements = found.elements[1].floor.unwrap();
+    let of_area = elements.area / floor(&found.discs).area - 1.0;
+    println!(
+        "{:?} {:?} {:?} {of_area:e}",
+        found.force, found.area, found.floor_share
+    );
+    assert!(found.force.relative.abs() < 0.01, "{:?}", found.force);
+    let share = found.floor_share.unwrap();
+    assert!(floor(&found.discs).share < -0.1);
+    assert!(share.relative.abs() < share.allowed && share.allowed < 0.6);
+    assert!(of_area.abs() < elements.error.area + floor(&found.discs).error.area);
+}
+
+/// The floor is reached before the only top. Expected: Hertz's contact with the floor, `F = 4/3 E* sqrt(R) d^(3/2)`, and that of Johnson, Kendall and
+/// Roberts with an adhesive floor; past the touch of the top,
 /// it too is in contact.
 #[test]
 fn the_floor_may_be_reached_before_any_top() {
@@ -255,6 +353,14 @@ fn the_floor_may_be_reached_before_any_top() {
     assert_eq!((found.touched(), floor(&found).share), (0, 1.0));
     assert!(force.abs() < found.error.unwrap().force && found.error.unwrap().force < 0.02);
     assert!(stiffness.abs() < 0.03);
+    let sticking = pressed(
+        &with_adhesive_floor(&array),
+        Load::Indentation((1.0 + depth) * UM),
+    );
+    told(&sticking);
+    let force = sticking.force / (jkr_at(LENS, 1e-3, depth) * FORCE) - 1.0;
+    println!("{force:e}");
+    assert!(force.abs() < sticking.error.unwrap().force && sticking.error.unwrap().force < 0.25);
     let past = pressed(&array, Load::Indentation(2.4 * UM));
     told(&past);
     assert_eq!(past.touched(), 1);

@@ -11,7 +11,10 @@ use crate::numerics::convergence::larger;
 use crate::numerics::dense::Lu;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::load::Prescribed;
-use crate::problem::{Accuracy, Asperity, AsperityArray, Load, Quantity, Requirement};
+use crate::problem::{
+    Accuracy, Asperity, AsperityArray, Feature, Load, Quantity, Question, Requirement, Solver,
+};
+use crate::solve::rules::fronts::Works;
 use crate::state::asperity_contact::{
     AsperityContact, AsperityErrors, AsperitySlopes, AsperityState,
 };
@@ -72,6 +75,8 @@ pub(super) struct Bench {
     /// The bodies that are layers, in the unit of length.
     pub(super) layers: Vec<WeightedLayer>,
     pub(super) units: Units,
+    /// Works of adhesion of an adhesive floor, in units of modulus and length.
+    pub(super) floor_works: Option<Works>,
 }
 
 impl Bench {
@@ -93,13 +98,20 @@ impl Bench {
         };
         let lens = field.indenter().lens();
         let shape = Shape(lens.map(|lens| lens.in_unit(units.length)));
-        let work = field.adhesion().work / (units.pressure * units.length);
+        let adhesion = field.adhesion();
+        let [work, receding] =
+            [adhesion.work, adhesion.receding()].map(|work| work / (units.pressure * units.length));
+        let works = Works {
+            advancing: work,
+            receding,
+        };
         let asperities = field.asperities().iter().map(scaled).collect();
         let layers = field.weighted_layers(units.length);
         Self {
             layout: Layout::new(asperities, shape, work).on_layers(around_force(&layers)),
             layers,
             units,
+            floor_works: (adhesion.floor && work > 0.0).then_some(works),
         }
     }
 
@@ -396,7 +408,7 @@ impl AsperityArray {
     /// whichever is larger, since the force may be zero.
     ///
     /// Past the transition tops and floor are solved together, if the [floor carries load](AsperityArray::is_floor_loaded): it carries
-    /// pressures only.
+    /// pressures only, unless it is [adhesive](crate::problem::Adhesion::floor) too.
     ///
     /// # Errors
     /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
@@ -408,6 +420,7 @@ impl AsperityArray {
         accuracy: Accuracy,
         run: &Run<'_>,
     ) -> Result<AsperityContact, SolveError> {
+        Question::Press.check(Solver::Asperities, &Feature::of_asperities(self))?;
         if control == Load::FloorContact {
             return Ok(self.transition(accuracy, run)?.contact);
         }

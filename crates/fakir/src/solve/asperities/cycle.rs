@@ -12,7 +12,8 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::numerics::line::integral_and_negative_part;
 use crate::problem::load::Prescribed;
 use crate::problem::{
-    Accuracy, AsperityArray, CyclePlan, Load, LoadingMode, UnloadingPoint, Unsupported,
+    Accuracy, AsperityArray, CyclePlan, Feature, Load, LoadingMode, Question, Solver,
+    UnloadingPoint, Unsupported,
 };
 use crate::state::asperity_contact::AsperityContact;
 use crate::state::asperity_cycle::{
@@ -179,7 +180,7 @@ impl AsperityArray {
     /// A contact begins where an asperity touches the lens, and ends where its equilibrium becomes unstable.
     ///
     /// If the lens reaches the floor before unloading, the floor is part of the equations: it carries pressures, and
-    /// detaches without a jump of its own. The cycle is then computed on two grids of cells, whose difference is part of the errors.
+    /// detaches without a jump of its own; with [adhesion](crate::problem::Adhesion::floor) the lens jumps onto it, and its fronts dissipate energy. The cycle is then computed on two grids of cells, whose difference is part of the errors.
     ///
     /// ```
     /// use fakir::problem::{
@@ -215,6 +216,7 @@ impl AsperityArray {
         if adhesion.receding() > adhesion.work {
             return Err(SolveError::Unsupported(Unsupported::BUT_FOR_ONE_WORK));
         }
+        Question::Cycle.check(Solver::Asperities, &Feature::of_asperities(self))?;
         let bench = Bench::new(self);
         let plan = bench.checked_plan(plan)?;
         let critical = match plan.turn {
@@ -249,7 +251,12 @@ impl AsperityArray {
         };
         let mut found = of.cycle(&mut fine, Some(bound))?;
         let other = of.cycle(&mut coarse, Some(bound))?;
-        found.compare(&other);
+        // Fronts stay until the next cell, which dissipates an energy in proportion to its size.
+        let remains = match self.adhesion().floor {
+            true => 2.0,
+            false => 1.0,
+        };
+        found.compare(&other, remains);
         if found.converged() {
             // The end of loading, with the floor and with error estimates from three grids.
             let load = Load::Indentation(found.turn.indentation);
@@ -474,7 +481,8 @@ impl Bench {
         fine.ground = coarse.ground.clone();
         let more = |contacts: &Contacts| with_modes(contacts, mode_count(low), mode_count(low + 2));
         let mut errors = AsperityCycleErrors::default();
-        if let Some(contacts) = lowest {
+        // Where the floor alone holds the lens, the error is that of its cells.
+        if let Some(contacts) = lowest.filter(|it| !it.discs.is_empty()) {
             let force = coarse.force(contacts);
             let [shape, _] = coarse.shape_errors(contacts);
             let disc = smallest_relative(coarse, contacts);
@@ -497,7 +505,7 @@ impl Bench {
         for jump in jumps.into_iter().take(MOST_JUMPS) {
             whole += jump.dissipated;
             let mut energy = |contacts: &Contacts, aim| {
-                if contacts.discs.is_empty() {
+                if contacts.discs.is_empty() && contacts.bonded.is_empty() {
                     return Ok(Some((0.0, contacts.indentation)));
                 }
                 let settled = fine.settle_same(more(contacts), aim, run)?.ok();

@@ -27,7 +27,7 @@ impl Equations<'_> {
         let Some(mut ground) = self.ground.take() else {
             return true;
         };
-        let is_closed = ground.close(&self.as_forces(contacts), contacts.indentation);
+        let is_closed = ground.close(&self.as_forces(contacts), contacts);
         self.floor = FloorForces::new(self.layout, ground.point_forces());
         self.ground = Some(ground);
         is_closed

@@ -1,8 +1,8 @@
 //! Rounded tops with adhesion and the floor between them in contact at the same time.
 //!
-//! The floor carries pressures only, and is [part of the equations](super::loaded_floor) of the tops. The contact depends on the path: it is
+//! The floor carries pressures only, unless it is adhesive too, and is [part of the equations](super::loaded_floor) of the tops. The contact depends on the path: it is
 //! [followed](super::follow) from first touch on a grid of cells, with all jumps of the tops. During a jump of a top the lens may reach the
-//! floor or leave it: the state after the jump is the equilibrium of both.
+//! floor or leave it: the state after the jump is the equilibrium of both. On an adhesive floor [fronts move](super::moving_fronts) after every step.
 //!
 //! The cells are those that the lens would penetrate at the largest indentation if the tops alone carried load, on their path without the floor.
 //! Tops that jump may differ from these. A margin of cells is added until the lens penetrates no other cell in the solution.
@@ -10,7 +10,8 @@
 //! # Error estimate
 //!
 //! The contact with the same tops is solved on grids with twice and half the size of the cells. If another top overlaps with the lens on the
-//! finest grid, it jumps into contact there. Errors are estimated as those without adhesion.
+//! finest grid, it jumps into contact there. Errors are estimated as those without adhesion. The fronts of an adhesive floor move on all grids from
+//! where they are on the first one; a larger work of adhesion gives the error that is due to the laws of the fronts.
 
 use super::answer::{Bench, degree, with_modes};
 use super::equations::Equations;
@@ -27,12 +28,19 @@ use crate::problem::load::Prescribed;
 use crate::solve::patches::Patches;
 use crate::state::discs::Contacts;
 use crate::state::{AsperityContact, Branch, Run, SolveError, Termination};
+use crate::theory::adhesion::edge_rise;
 
 /// Penetrated cells of the grid on which the path is followed, as a part of the number without adhesion.
 const PART: f64 = 1.0 / 8.0;
 
 /// Sizes of cells for both branches of a cycle, in units of the size of those for the loading.
 const OF_CYCLE: [f64; 2] = [1.4, 2.1];
+
+/// The same if the floor is adhesive: on large cells its fronts stay where they are.
+const OF_ADHESIVE_CYCLE: [f64; 2] = [0.6, 0.9];
+
+/// Error of the energy release rate at fronts on the floor: their stress intensity factor is accurate to 3.5 %.
+const WORK_ERROR: f64 = 0.07;
 
 /// Unit of steps while all contacts fill their tops, as a part of the whole path: the state at the end does not depend on their length.
 const EXTENT: f64 = 0.4;
@@ -64,6 +72,14 @@ pub(super) struct OnGrid<'a> {
     rates: Option<Rates>,
 }
 
+impl OnGrid<'_> {
+    /// Whether no cell of the floor is in contact.
+    fn is_off_floor(&self) -> bool {
+        let floor = self.equations.ground.as_ref();
+        floor.is_none_or(|floor| floor.touched().len() == 0)
+    }
+}
+
 impl<'a> Ground<'a> {
     /// The contact with tops and floor on loading, with its derivatives. `alone` are the contacts with the tops alone under this load, or those at
     /// a lower indentation. `None` if the floor carries no load.
@@ -81,24 +97,37 @@ impl<'a> Ground<'a> {
             let solved = Solved {
                 levels,
                 of_degree: None,
+                of_works: None,
                 equations: middle.equations,
                 mesh: middle.mesh,
             };
             return Ok(Some((solved, None)));
         }
-        let same = |part: f64| self.same_tops(target, grid.with_cells(part), &middle.contacts);
-        let (Some(coarse), Some(fine)) = (same(2.0)?, same(0.5)?) else {
+        let same =
+            |part: f64, works: f64| self.same_tops(target, (grid.with_cells(part), works), &middle);
+        let (Some(coarse), Some(fine)) = (same(2.0, 1.0)?, same(0.5, 1.0)?) else {
             return Ok(None);
         };
-        if fine.equations.force_on_floor() <= 0.0 && fine.termination == Termination::Converged {
+        if fine.is_off_floor() && fine.termination == Termination::Converged {
             return Ok(None);
         }
-        let of_degree = self.with_higher_degree(&middle)?;
+        let of_works = match self.bench.floor_works {
+            Some(_) => same(1.0, 1.0 + WORK_ERROR)?,
+            None => None,
+        };
+        let mut others = std::iter::once(&coarse).chain(&of_works);
+        let is_solved = others.all(|other| other.termination == Termination::Converged);
+        // Without one of them there is no error estimate.
+        let of_degree = match is_solved {
+            true => self.with_higher_degree(&middle)?,
+            false => None,
+        };
         let levels = [&coarse, &middle, &fine].map(|found| self.level(found));
         let rates = fine.rates;
         let solved = Solved {
             levels: levels.into(),
             of_degree,
+            of_works: of_works.map(|found| self.level(&found).pressed),
             equations: fine.equations,
             mesh: fine.mesh,
         };
@@ -118,6 +147,11 @@ impl<'a> Ground<'a> {
         };
         let mut alone = alone.clone();
         let (mut growths, mut enlarged) = (0, 0);
+        if let Some(works) = self.bench.floor_works {
+            let depth = larger(bound - self.depth, 0.0);
+            let rise = edge_rise(works.receding, self.lens.apex_radius(), depth);
+            self.margin = larger(self.margin, rise);
+        }
         loop {
             if alone.indentation < bound {
                 alone = self.alone_at(bound)?;
@@ -133,7 +167,7 @@ impl<'a> Ground<'a> {
             }
             if found.termination == Termination::Converged {
                 let missed = self.missed(&found.equations, &found.mesh.cells, &found.contacts);
-                if missed > MISSED && growths < GROWTHS {
+                if (missed > MISSED || self.is_at_border(&found)) && growths < GROWTHS {
                     self.margin = larger(2.0 * self.margin, MARGIN * missed * self.depth);
                     growths += 1;
                     continue;
@@ -177,7 +211,7 @@ impl<'a> Ground<'a> {
                 suggested_cell: side * length * (bytes as f64 / limit as f64).powf(0.25),
             });
         }
-        equations.ground = self.loaded(&mesh);
+        equations.ground = self.loaded(&mesh, 1.0);
         Ok(Some((equations, mesh)))
     }
 
@@ -191,7 +225,10 @@ impl<'a> Ground<'a> {
             return Ok(None);
         };
         let on = |factor: f64| self.on_grid(self.equations(), grid.with_cells(factor));
-        let [fine, coarse] = OF_CYCLE;
+        let [fine, coarse] = match self.bench.floor_works {
+            Some(_) => OF_ADHESIVE_CYCLE,
+            None => OF_CYCLE,
+        };
         let (Some((fine, _)), Some((coarse, _))) = (on(fine)?, on(coarse)?) else {
             return Ok(None);
         };
@@ -200,13 +237,39 @@ impl<'a> Ground<'a> {
         ))
     }
 
-    fn loaded(&self, mesh: &Mesh<'_>) -> Option<LoadedFloor> {
-        LoadedFloor::new(
-            &mesh.cells,
-            &mesh.separation,
-            self.depth,
-            &self.bench.layers,
-        )
+    /// The floor on cells; with adhesion, its works are multiplied by a factor.
+    fn loaded(&self, mesh: &Mesh<'_>, works: f64) -> Option<LoadedFloor> {
+        let Mesh {
+            cells, separation, ..
+        } = mesh;
+        let floor = LoadedFloor::new(cells, separation, self.depth, &self.bench.layers)?;
+        Some(match self.bench.floor_works {
+            Some(of) => {
+                let pillars = bodies(self.bench, self.depth);
+                floor.with_adhesion(of.times(works), cells, &pillars)
+            }
+            None => floor,
+        })
+    }
+
+    /// Whether an adhesive floor is in contact beside floor that is not among the cells.
+    fn is_at_border(&self, found: &OnGrid<'_>) -> bool {
+        let (cells, bonded) = (&found.mesh.cells, &found.contacts.bonded);
+        let grid = cells.grid();
+        let columns = grid.columns();
+        let mut is_in = vec![false; grid.cell_count()];
+        let indices: Vec<usize> = cells.indices().collect();
+        indices.iter().for_each(|index| is_in[*index] = true);
+        bonded.iter().any(|cell| {
+            let index = indices[*cell];
+            // None of the cells are at the border of the grid.
+            [index - 1, index + 1, index - columns, index + columns]
+                .into_iter()
+                .any(|at| {
+                    let centre = grid.centre(at % columns, at / columns);
+                    !is_in[at] && self.is_free(centre, grid.cell()[0])
+                })
+        })
     }
 
     /// The path on a grid.
@@ -241,11 +304,24 @@ impl<'a> Ground<'a> {
     fn same_tops(
         &self,
         target: Prescribed,
-        grid: (&Contacts, f64, f64),
-        contacts: &Contacts,
+        (grid, works): ((&Contacts, f64, f64), f64),
+        known: &OnGrid<'_>,
     ) -> Result<Option<OnGrid<'a>>, SolveError> {
         let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid)? else {
             return Ok(None);
+        };
+        if self.bench.floor_works.is_some() {
+            equations.ground = self.loaded(&mesh, works);
+        }
+        let mut is_bonded = vec![0.0; known.mesh.cells.len()];
+        for cell in &*known.contacts.bonded {
+            is_bonded[*cell] = 1.0;
+        }
+        let is_bonded = mesh.values_of(&known.mesh.cells, &is_bonded);
+        let bonded = (0..is_bonded.len()).filter(|cell| is_bonded[*cell] > 0.0);
+        let contacts = &Contacts {
+            bonded: bonded.collect(),
+            ..known.contacts.clone()
         };
         let aim = Aim::Load(target);
         let settled = equations.settle_same(contacts.clone(), aim, self.run)?;
@@ -255,7 +331,7 @@ impl<'a> Ground<'a> {
                 let steps = settled.steps;
                 let here = equations.state(settled);
                 let mut path = Path::from(&mut equations, here, self.run)?;
-                if path.touch_all(0.0).is_err() {
+                if path.until_rest(Some(aim)).is_err() {
                     termination = Termination::Stagnated;
                 }
                 (path.here, steps)
@@ -287,7 +363,7 @@ impl<'a> Ground<'a> {
     fn with_higher_degree(&self, middle: &OnGrid<'_>) -> Result<Option<Pressed>, SolveError> {
         let low = degree(self.accuracy);
         let mut fine = Equations::new(&self.bench.layout, low + 2);
-        fine.ground = self.loaded(&middle.mesh);
+        fine.ground = self.loaded(&middle.mesh, 1.0);
         let start = with_modes(&middle.contacts, mode_count(low), fine.modes());
         // The differences of all results are those at the same indentation.
         let aim = Aim::Load(Prescribed::Indentation(middle.contacts.indentation));
@@ -301,7 +377,7 @@ impl<'a> Ground<'a> {
             steps: found.steps,
             ..pressed(&found.equations, found.contacts.clone(), &found.mesh)
         };
-        let loaded = pressed.pressure.iter().map(|pressure| *pressure > 0.0);
+        let loaded = pressed.pressure.iter().map(|pressure| *pressure != 0.0);
         Level {
             indentation: found.contacts.indentation,
             patches: Patches::of(&found.mesh.cells, loaded, &self.pillars),

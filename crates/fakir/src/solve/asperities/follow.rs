@@ -12,6 +12,7 @@ use super::equations::Equations;
 use super::load::LoadRule;
 use super::newton::{Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::UNIT_FORCE;
+use crate::numerics::convergence::{larger, smaller};
 use crate::numerics::dense::Lu;
 use crate::numerics::roots::{Point, find};
 use crate::numerics::vector::dot;
@@ -54,6 +55,8 @@ pub(crate) struct Here {
     pub(crate) settled: Settled,
     pub(crate) rates: Rates,
     pub(crate) force: f64,
+    /// Overlap with an adhesive floor that is not in contact; minus infinity without one, or in contact.
+    pub(crate) floor_overlap: f64,
 }
 
 /// A point of the curve.
@@ -190,18 +193,18 @@ impl Measure {
 /// A path.
 pub(crate) struct Path<'e, 'l, 'r> {
     pub(crate) equations: &'e mut Equations<'l>,
-    run: &'e Run<'r>,
+    pub(super) run: &'e Run<'r>,
     pub(crate) here: Here,
     pub(crate) places: Vec<Place>,
     pub(crate) changes: Vec<Change>,
     pub(crate) jumps: Vec<Jump>,
     /// The state of the smallest force of the unloading, and its place.
     pub(crate) lowest: Option<(Contacts, usize)>,
-    branch: Branch,
+    pub(super) branch: Branch,
     stride: f64,
     rule: LoadRule,
     /// Sign of the determinant of a single stable contact.
-    sign: bool,
+    pub(super) sign: bool,
     /// Indentation at which the first asperity is touched.
     first: f64,
     /// Unit of steps of the indentation while all contacts fill their tops, if that is larger than the overlap of an adhesive contact.
@@ -282,9 +285,13 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             }
             self.mark(None);
             self.snap_in()?;
+            self.rest()?;
         }
         for _ in 0..STEP_LIMIT {
-            if self.step(stop)? {
+            let ends = self.step(stop)?;
+            // Where the floor pulls the lens, the load is reached later.
+            let is_short = self.rest()? && stop.beyond(&self.here).is_some_and(|it| it < 0.0);
+            if ends && !is_short {
                 return Ok(());
             }
         }
@@ -321,7 +328,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     }
 
     /// Elastic energy less the work of adhesion of all contacts.
-    fn energy(&mut self) -> f64 {
+    pub(super) fn energy(&mut self) -> f64 {
         let contacts = &self.here.settled.contacts;
         // The last floor may be that of an attempt.
         self.equations.close_floor(contacts);
@@ -330,7 +337,8 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
 
     /// The state without contacts at an indentation.
     fn apart(&mut self, indentation: f64) -> Result<Here, Ended> {
-        let untouched = self.equations.layout.untouched(indentation);
+        let mut untouched = self.equations.layout.untouched(indentation);
+        untouched.bonded = self.here.settled.contacts.bonded.clone();
         if self.equations.ground.is_none() {
             return Ok(self.equations.state(Settled {
                 contacts: untouched,
@@ -342,7 +350,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     }
 
     /// The state with the same contacts at this value of the measure.
-    fn at(&mut self, from: &Contacts, aim: Aim) -> Result<Here, Ended> {
+    pub(super) fn at(&mut self, from: &Contacts, aim: Aim) -> Result<Here, Ended> {
         let settled = self
             .equations
             .settle_same(from.clone(), aim, self.run)?
@@ -355,7 +363,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         let direction = self.direction();
         let modes = self.equations.modes();
         let contacts = &self.here.settled.contacts;
-        if contacts.discs.is_empty() {
+        if contacts.discs.is_empty() && !self.is_on_floor() {
             return self.step_without_contact(stop);
         }
         let left = match stop {
@@ -546,19 +554,25 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         Ok(Step { next, end, ..step })
     }
 
-    fn fastest_of(&self, here: &Here) -> usize {
+    pub(super) fn fastest_of(&self, here: &Here) -> usize {
         here.rates.fastest.map_or(0, |(disc, _)| disc)
     }
 
     /// Shortens a step that ends beyond the first touch of another asperity; none if it is touched where the step begins.
     fn until_touched(&mut self, step: Step) -> Result<Option<Step>, Ended> {
-        let overlap = |here: &Here| self.equations.largest_overlap(&here.settled.contacts);
-        let [before, after] = [&self.here, &step.next].map(overlap);
+        let tiny = SAME_TOUCH * self.equations.adhesive_overlap();
+        // Fronts begin by themselves on a floor that the lens has entered already.
+        let may_begin = self.here.floor_overlap < -tiny;
+        let overlap = |equations: &Equations<'_>, here: &Here| {
+            let of_tops = equations.largest_overlap(&here.settled.contacts);
+            let of_floor = may_begin.then_some(here.floor_overlap);
+            larger(of_tops, of_floor.unwrap_or(f64::NEG_INFINITY))
+        };
+        let [before, after] = [&self.here, &step.next].map(|here| overlap(self.equations, here));
         if after <= 0.0 {
             return Ok(Some(step));
         }
         let measure = step.measure;
-        let tiny = SAME_TOUCH * self.equations.adhesive_overlap();
         if before >= -tiny {
             return Ok(None);
         }
@@ -574,7 +588,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         };
         let root = find(ends, LOCATED, |value| {
             let here = self.at(&at(value), measure.aim(value))?;
-            let overlap = self.equations.largest_overlap(&here.settled.contacts);
+            let overlap = overlap(self.equations, &here);
             // Rounding errors of the solution end the search.
             Ok::<_, Ended>(if overlap.abs() < 1e-4 * tiny {
                 0.0
@@ -662,7 +676,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         }
     }
 
-    /// Begins contact on all asperities that are touched, at a constant indentation.
+    /// Begins contact on all asperities that are touched, or on the floor, at a constant indentation.
     fn snap_in(&mut self) -> Result<(), Ended> {
         let before = self.energy();
         let old = self.here.settled.contacts.clone();
@@ -670,7 +684,11 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         let tiny = SAME_TOUCH * self.equations.adhesive_overlap();
         // The first one is touched up to rounding errors.
         let most = self.equations.largest_overlap(&old);
-        self.touch_all(most.min(0.0) - tiny)?;
+        if self.here.floor_overlap > most {
+            self.touch_floor()?;
+        } else {
+            self.touch_all(most.min(0.0) - tiny)?;
+        }
         self.finish_jump(before, old, None, number);
         Ok(())
     }
@@ -721,8 +739,16 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
     fn release(&mut self, disc: usize) -> Result<(), Ended> {
         let before = self.energy();
         let number = self.changes.len();
-        let modes = self.equations.modes();
         let old = self.here.settled.contacts.clone();
+        self.detach(&old, disc)?;
+        self.touch_all(0.0)?;
+        self.finish_jump(before, old, Some(disc), number);
+        Ok(())
+    }
+
+    /// Ends the contact of a disc and of others, until there is a stable equilibrium with the rest of these contacts.
+    pub(super) fn detach(&mut self, old: &Contacts, disc: usize) -> Result<(), Ended> {
+        let modes = self.equations.modes();
         let indentation = old.indentation;
         let rate = |k: usize| (self.here.rates.lowering[k * modes + 2] / old.discs[k].radius).abs();
         let rates: Vec<f64> = (0..old.discs.len()).map(rate).collect();
@@ -736,7 +762,7 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
         count = count.max(1);
         let next = loop {
             let lost = &order[..count];
-            let rest = self.equations.without(&old, lost);
+            let rest = self.equations.without(old, lost);
             if rest.discs.is_empty() {
                 break self.apart(indentation)?;
             }
@@ -764,13 +790,17 @@ impl<'e, 'l, 'r> Path<'e, 'l, 'r> {
             });
         }
         self.here = next;
-        self.touch_all(0.0)?;
-        self.finish_jump(before, old, Some(disc), number);
         Ok(())
     }
 
     /// Completes the changes of a cascade, from the number of the first one.
-    fn finish_jump(&mut self, before: f64, old: Contacts, unstable: Option<usize>, first: usize) {
+    pub(super) fn finish_jump(
+        &mut self,
+        before: f64,
+        old: Contacts,
+        unstable: Option<usize>,
+        first: usize,
+    ) {
         let dissipated = before - self.energy();
         let contacts = &self.here.settled.contacts;
         for (k, change) in self.changes[first..].iter_mut().enumerate() {
@@ -914,7 +944,7 @@ impl Here {
     }
 
     /// Whether the contacts are stable, as far as the sign of the determinant tells; unknown if some are held at rims.
-    fn is_stable(&self, sign_of_one: bool) -> Option<bool> {
+    pub(super) fn is_stable(&self, sign_of_one: bool) -> Option<bool> {
         let discs = &self.settled.contacts.discs;
         let free = discs.iter().all(|disc| disc.hold == Hold::Free);
         let expected = sign_of_one && discs.len() % 2 == 1;
@@ -954,11 +984,12 @@ impl Equations<'_> {
             settled,
             rates,
             force,
+            floor_overlap: self.floor_overlap(),
         }
     }
 
     /// The largest overlap of an asperity that is not in contact; minus infinity if all are.
-    fn largest_overlap(&self, contacts: &Contacts) -> f64 {
+    pub(super) fn largest_overlap(&self, contacts: &Contacts) -> f64 {
         let waiting = self.waiting(contacts).into_iter();
         let inside = waiting.filter(|k| self.is_inside(*k, contacts.nearest[*k]));
         inside
@@ -993,13 +1024,16 @@ impl Equations<'_> {
                 0.5 * dot(&load.value, moments) - 0.5 * PI * disc.grip * disc.grip * area
             });
         let on_floor = self.ground.as_ref();
-        let on_floor = on_floor.map_or(0.0, |ground| 0.5 * ground.work(contacts.indentation));
+        let on_floor = on_floor.map_or(0.0, |ground| ground.energy(contacts.indentation));
         parts.sum::<f64>() + on_floor
     }
 
     /// Indentation at which the first asperity is touched; infinite if the floor carries all of the load up to the bound.
     fn first_touch(&mut self, bound: f64, run: &Run<'_>) -> Result<f64, SolveError> {
         let first = self.layout.first_touch();
+        if let Some(ground) = self.ground.as_ref().filter(|ground| ground.is_adhesive()) {
+            return Ok(smaller(first, ground.first_touch()));
+        }
         let mut overlap = |indentation: f64| {
             let untouched = self.layout.untouched(indentation);
             let aim = Aim::Load(Prescribed::Indentation(indentation));

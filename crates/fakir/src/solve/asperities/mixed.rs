@@ -128,6 +128,26 @@ pub(super) struct Mesh<'a> {
     bound: f64,
 }
 
+impl Mesh<'_> {
+    /// The values of other cells at the centres of these; zero outside of them.
+    pub(super) fn values_of(&self, cells: &Cells, values: &[f64]) -> Vec<f64> {
+        let grid = cells.grid();
+        let mut whole = vec![0.0; grid.cell_count()];
+        cells.scatter(values, &mut whole);
+        let value = |at: Point| {
+            let place = [0, 1].map(|k| (at[k] - grid.origin()[k]) / grid.cell()[k]);
+            let [column, row] = place.map(|x| x.max(0.0) as usize);
+            let is_in = column < grid.columns() && row < grid.rows();
+            if is_in {
+                whole[row * grid.columns() + column]
+            } else {
+                0.0
+            }
+        };
+        self.cells.centres().map(value).collect()
+    }
+}
+
 /// Pressures on tops and floor.
 #[derive(Clone)]
 pub(super) struct Pressed {
@@ -157,7 +177,8 @@ impl Pressed {
 
     /// Mean displacement of the floor by the tops, weighted with the pressure.
     fn mean_sunk(&self) -> f64 {
-        dot(&self.pressure, &self.sunk) / self.pressure.iter().sum::<f64>()
+        let weights: Vec<f64> = self.pressure.iter().map(|it| it.abs()).collect();
+        dot(&weights, &self.sunk) / weights.iter().sum::<f64>()
     }
 
     /// Fraction of the force on the floor; where the tops pull more than the floor carries, of the sum of both without sign.
@@ -277,10 +298,12 @@ impl<'a> Ground<'a> {
         reach.unwrap_or(self.lens.widest())
     }
 
-    /// Whether there is no pillar at a point.
-    fn is_free(&self, at: Point) -> bool {
+    /// Whether there is no pillar at the centre of a cell with this side, and with an adhesive floor, on which fronts come close to pillars, none in the
+    /// cell: a force beside the edge of a contact would act on it as on no other.
+    pub(super) fn is_free(&self, at: Point, side: f64) -> bool {
+        let least = self.bench.floor_works.map_or(0.0, |_| 0.5 * side);
         let nearest = (self.pillars).nearest(at, Nearest::Edge, 0.0, None);
-        nearest.is_none_or(|(_, distance)| distance > 0.0)
+        nearest.is_none_or(|(_, distance)| distance > least)
     }
 
     /// The largest penetration of floor outside of the cells, relative to the depth of the floor.
@@ -299,7 +322,7 @@ impl<'a> Ground<'a> {
         let penetration = |_: &mut (), index: usize| {
             let at = grid.centre(index % across, index / across);
             let above = self.depth + self.lens.sag_with_brim(at) - contacts.indentation;
-            if is_in[index] || !self.is_free(at) {
+            if is_in[index] || !self.is_free(at, grid.cell()[0]) {
                 return 0.0;
             }
             -(above + tops.value(at)[1] + equations.floor.displacement(at))
@@ -333,7 +356,7 @@ impl<'a> Ground<'a> {
             if x.hypot(y) >= reach || above > near + lifted {
                 return false;
             }
-            self.is_free([x, y]) && above + tops.value([x, y])[1] <= near
+            self.is_free([x, y], side) && above + tops.value([x, y])[1] <= near
         };
         let workers = self.run.workers();
         let is_in = workers.map(grid.cell_count(), 256, || (), is_penetrated);
@@ -418,19 +441,10 @@ impl<'a> Ground<'a> {
         contacts: Contacts,
         known: Option<(&Cells, &[f64])>,
     ) -> Pressed {
-        let mut pressure = vec![0.0; mesh.cells.len()];
-        if let Some((cells, values)) = known {
-            let grid = cells.grid();
-            let mut whole = vec![0.0; grid.cell_count()];
-            cells.scatter(values, &mut whole);
-            for (pressure, at) in pressure.iter_mut().zip(mesh.cells.centres()) {
-                let place = [0, 1].map(|k| (at[k] - grid.origin()[k]) / grid.cell()[k]);
-                let [column, row] = place.map(|x| x.max(0.0) as usize);
-                if column < grid.columns() && row < grid.rows() {
-                    *pressure = whole[row * grid.columns() + column];
-                }
-            }
-        }
+        let pressure = match known {
+            Some((cells, values)) => mesh.values_of(cells, values),
+            None => vec![0.0; mesh.cells.len()],
+        };
         Pressed {
             sunk: self.sunk(equations, mesh, &contacts),
             force_on_tops: equations.force(&contacts),
@@ -677,6 +691,7 @@ impl<'a> Ground<'a> {
                 return Ok(Some(Solved {
                     levels,
                     of_degree,
+                    of_works: None,
                     equations,
                     mesh,
                 }));
@@ -739,6 +754,8 @@ impl<'a> Ground<'a> {
 pub(super) struct Solved<'a> {
     pub(super) levels: Vec<Level>,
     pub(super) of_degree: Option<Pressed>,
+    /// The contact on the second grid with a larger work of adhesion of the floor, if that is adhesive.
+    pub(super) of_works: Option<Pressed>,
     pub(super) equations: Equations<'a>,
     /// The last grid.
     pub(super) mesh: Mesh<'a>,
@@ -823,8 +840,8 @@ impl Bench {
         let grid = solved.mesh.cells.grid();
         let mut whole = vec![0.0; grid.cell_count()];
         solved.mesh.cells.scatter(&pressed.pressure, &mut whole);
-        let cells = Cells::where_true(grid, |index| whole[index] > 0.0);
-        let positive = pressed.pressure.iter().filter(|pressure| **pressure > 0.0);
+        let cells = Cells::where_true(grid, |index| whole[index] != 0.0);
+        let loaded = pressed.pressure.iter().filter(|pressure| **pressure != 0.0);
         let before = solved.levels.iter().rev().nth(1);
         let floor = FloorContact {
             force: pressed.force_on_floor * units.force(),
@@ -838,7 +855,7 @@ impl Bench {
             energy_bound: pressed.energy_bound,
             cells: cells.scaled(units.length),
             rotation: 0.0,
-            pressure: positive.map(|pressure| pressure * units.pressure).collect(),
+            pressure: loaded.map(|pressure| pressure * units.pressure).collect(),
         };
         let slope = |value: f64| value * units.stiffness();
         let force = match target {
@@ -889,8 +906,9 @@ impl Solved<'_> {
             SAFETY * larger(change(of, rate, coarse, fine), before)
         };
         let error = |of: &dyn Fn(&Pressed) -> f64, rate: f64| {
-            let of_degree = of(of_degree) - of(&coarse.pressed);
-            of_cells(&|level| of(&level.pressed), rate) + DEGREES * of_degree.abs()
+            let change = |other: &Pressed| (of(other) - of(&coarse.pressed)).abs();
+            let of_works = self.of_works.as_ref().map_or(0.0, change);
+            of_cells(&|level| of(&level.pressed), rate) + DEGREES * change(of_degree) + of_works
         };
         let pressed = &fine.pressed;
         let [on_shape, area_of_shape] = match pressed.contacts.discs.is_empty() {
@@ -903,10 +921,13 @@ impl Solved<'_> {
         let pull_off = bench.pull_off_scale(&pressed.contacts) / bench.units.force();
         let scale = larger(
             larger(pressed.force().abs(), pull_off),
-            pressed.force_on_floor,
+            pressed.force_on_floor.abs(),
         );
         let area = error(&Pressed::area, rates.area);
-        let relative = |change: f64, value: f64| if value > 0.0 { change / value } else { 0.0 };
+        let relative = |change: f64, value: f64| match value.abs() > 0.0 {
+            true => change / value.abs(),
+            false => 0.0,
+        };
         let total = pressed.force().abs();
         let of_share = (rates.force_on_floor - pressed.share() * rates.force) / total;
         // The displacement of the floor by the tops is in proportion to the forces on these, and has at least their relative error.

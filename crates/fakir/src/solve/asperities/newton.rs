@@ -126,6 +126,7 @@ impl Equations<'_> {
             moments: Vec::new(),
             nearest: layout.summits.iter().map(|summit| summit.place).collect(),
             gaps: layout.gaps(start.indentation),
+            bonded: [].into(),
         };
         let most = start.pressed.iter().fold(0.0_f64, |a, b| a.max(*b));
         for (asperity, pressed) in start.pressed.iter().enumerate() {
@@ -704,6 +705,7 @@ impl Layout {
             moments: Vec::new(),
             nearest: self.summits.iter().map(|summit| summit.place).collect(),
             gaps: self.gaps(indentation),
+            bonded: [].into(),
         }
     }
 

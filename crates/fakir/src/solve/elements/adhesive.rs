@@ -17,13 +17,13 @@ use crate::halfspace::elements::{Columns, Operator, Preconditioned};
 use crate::numerics::line::integral_and_negative_part;
 use crate::numerics::workers::CancelToken;
 use crate::problem::{Adhesion, Cells, Floor, Load, ShapedLens, Unsupported};
-use crate::solve::rules::bonded_floor::{TAKE_BACKS, natural};
+use crate::solve::rules::bonded_floor::Rounds;
 use crate::solve::rules::floor_fronts::{FloorFronts, FloorMove, OF_CENTRES};
 use crate::solve::rules::fronts::{Course, Works};
 use crate::state::{
     Branch, DualityGap, Progress, SolveError, Stage, SurfaceContact, SurfaceLoadStep, Termination,
 };
-use std::f64::consts::TAU;
+use crate::theory::adhesion::edge_rise;
 
 /// Largest residual of the displacement of cells in contact, relative to the gap of a crack that is about to grow, one cell from its front:
 /// while fronts move, and when they rest.
@@ -199,14 +199,12 @@ impl AdhesiveCells<'_> {
     fn moves(&mut self, which: FloorMove) -> [Vec<usize>; 2] {
         let (side, modulus) = (self.side(), self.modulus);
         let held = &self.held;
-        if which != FloorMove::TakeBack {
-            let gaps = self.separation.iter().zip(&held.displacement);
-            let gaps = gaps.map(|(s, u)| (held.indentation - s - u) / side);
-            let pressures = held.pressure.iter().map(|pressure| pressure / modulus);
-            self.fronts.measure(&held.bonded, gaps, pressures);
-        }
+        let gaps = self.separation.iter().zip(&held.displacement);
+        let gaps = gaps.map(|(s, u)| (held.indentation - s - u) / side);
+        let pressures = held.pressure.iter().map(|pressure| pressure / modulus);
         let entered = ENTERED * self.opening;
-        let at_fronts = self.fronts.moves(&held.bonded, which, entered / side);
+        let data = (gaps, pressures);
+        let at_fronts = (self.fronts).round(&held.bonded, which, data, entered / side);
         let attaches = which == FloorMove::Advance;
         let Some(plain) = &self.plain else {
             return if attaches {
@@ -247,17 +245,11 @@ impl AdhesiveCells<'_> {
         self.settle(MOVING * self.opening);
         self.fronts.lift_bans();
         self.parted.fill(0);
-        let mut take_backs = 0;
+        let mut rounds = Rounds::new(course);
         let mut is_fine = false;
         for _ in 0..ROUND_LIMIT {
-            let mut moves = self.moves(natural(course));
-            if moves.iter().all(Vec::is_empty)
-                && course == Course::Loading
-                && take_backs < TAKE_BACKS
-            {
-                moves = self.moves(FloorMove::TakeBack);
-                take_backs += 1;
-            }
+            let is_rest = |moves: &[Vec<usize>; 2]| moves.iter().all(Vec::is_empty);
+            let moves = rounds.next(|which| self.moves(which), is_rest);
             if moves.iter().all(Vec::is_empty) {
                 if is_fine {
                     return;
@@ -420,10 +412,9 @@ impl<'a> Level<'a> {
         let radius = lens.map(ShapedLens::apex_radius);
         let radius = radius.filter(|it| it.is_finite()).unwrap_or(0.0);
         let ratio = adhesion.receding() / self.system.reduced_modulus();
-        // The edge of a contact is pulled up by about this much (Johnson, Kendall & Roberts).
-        let edge = (TAU * ratio * (radius * (depth.max(0.0) + ratio)).sqrt()).sqrt();
         let adhesive = (ratio * ratio * radius).cbrt();
-        let mut margin = RISE * (edge + adhesive + (ratio * self.surface.grid().cell()[0]).sqrt());
+        let edge = edge_rise(ratio, radius, depth.max(0.0));
+        let mut margin = RISE * (edge + (ratio * self.surface.grid().cell()[0]).sqrt());
         let mut level = self;
         loop {
             let cells = level.adhesive(adhesion, first + depth.max(0.0) + margin)?;

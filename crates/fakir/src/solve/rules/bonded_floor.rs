@@ -8,6 +8,39 @@ use crate::halfspace::floor::coupling::FloorKernels;
 /// Largest number of rounds in which cells are removed again after an advance.
 pub(crate) const TAKE_BACKS: usize = 12;
 
+/// Penetration, relative to the pillar height, above which a gap counts as negative.
+pub(crate) const ENTERED: f64 = 1e-5;
+
+/// The rounds in which fronts move by one cell each, until they rest.
+pub(crate) struct Rounds {
+    course: Course,
+    take_backs: usize,
+}
+
+impl Rounds {
+    pub(crate) fn new(course: Course) -> Self {
+        Self {
+            course,
+            take_backs: 0,
+        }
+    }
+
+    /// The moves of the next round, in the direction of the course. If nothing moves on loading, cells that have attached too far are removed.
+    pub(crate) fn next<T>(
+        &mut self,
+        mut moves: impl FnMut(FloorMove) -> T,
+        is_rest: impl Fn(&T) -> bool,
+    ) -> T {
+        let natural = moves(natural(self.course));
+        let takes_back = self.course == Course::Loading && self.take_backs < TAKE_BACKS;
+        if !is_rest(&natural) || !takes_back {
+            return natural;
+        }
+        self.take_backs += 1;
+        moves(FloorMove::TakeBack)
+    }
+}
+
 /// The floor in contact.
 pub(crate) struct BondedFloor<'a> {
     pub(crate) cells: FloorCells<'a>,

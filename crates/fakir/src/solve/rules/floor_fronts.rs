@@ -133,6 +133,7 @@ pub(crate) enum FloorMove {
 }
 
 /// Fronts on the floor.
+#[derive(Debug, Clone)]
 pub(crate) struct FloorFronts {
     /// `None` for a floor without adhesion.
     works: Option<Works>,
@@ -187,6 +188,7 @@ struct Bend {
 }
 
 /// Values of the smoothed set at the limits of distances.
+#[derive(Debug, Clone)]
 struct Bounds {
     inside: [f32; 2],
     outside: [f32; 2],
@@ -294,12 +296,24 @@ impl FloorFronts {
     pub(crate) fn new(grid: &FloorGrid, works: Option<Works>) -> Self {
         let side = grid.division.cell_area().sqrt();
         let pillars = grid.pillars.iter();
-        let pillars = Neighbours::new(pillars.map(|pillar| (pillar.centre, pillar.body.radius)));
+        let pillars: Vec<_> = pillars
+            .map(|pillar| (pillar.centre, pillar.body.radius))
+            .collect();
+        let fronts = Self::on_cells(&grid.cells, side, works, &OF_MEANS);
+        Self {
+            mirrors: grid.mirrors.clone(),
+            ..fronts.beside(&grid.cells, side, &pillars)
+        }
+    }
+
+    /// The same beside pillars, which are given as discs.
+    pub(crate) fn beside(self, on: &Cells, side: f64, pillars: &[([f64; 2], f64)]) -> Self {
+        let near = Neighbours::new(pillars.iter().copied());
         let rim = |[x, y]: [f64; 2]| {
-            let Some((pillar, distance)) = pillars.nearest([x, y], Nearest::Edge, 0.0, None) else {
+            let Some((pillar, distance)) = near.nearest([x, y], Nearest::Edge, 0.0, None) else {
                 return NO_RIM;
             };
-            let [px, py] = grid.pillars[pillar].centre;
+            let [px, py] = pillars[pillar].0;
             let away = [x - px, y - py];
             let length = away[0].hypot(away[1]);
             [
@@ -309,9 +323,8 @@ impl FloorFronts {
             ]
         };
         Self {
-            rims: grid.cells.centres().map(rim).collect(),
-            mirrors: grid.mirrors.clone(),
-            ..Self::on_cells(&grid.cells, side, works, &OF_MEANS)
+            rims: on.centres().map(rim).collect(),
+            ..self
         }
     }
 
@@ -573,8 +586,24 @@ impl FloorFronts {
         .map(|at| self.cells[at])
     }
 
+    /// Cells that attach or detach in a round, from the residual displacements and the pressures of the cells. Gaps of less than `-entered`
+    /// count as contact.
+    pub(crate) fn round(
+        &mut self,
+        bonded: &[bool],
+        which: FloorMove,
+        (loads, pressures): (impl Iterator<Item = f64>, impl Iterator<Item = f64>),
+        entered: f64,
+    ) -> Vec<usize> {
+        // Cells are removed again according to the data of the last advance.
+        if which != FloorMove::TakeBack {
+            self.measure(bonded, loads, pressures);
+        }
+        self.moves(bonded, which, entered)
+    }
+
     /// Cells that attach or detach according to the data. Gaps of less than `-entered` count as contact.
-    pub(crate) fn moves(&mut self, bonded: &[bool], which: FloorMove, entered: f64) -> Vec<usize> {
+    fn moves(&mut self, bonded: &[bool], which: FloorMove, entered: f64) -> Vec<usize> {
         let mut moves = match self.works {
             Some(works) => self.moves_of_fronts(bonded, which, entered, works),
             None => self.moves_without_adhesion(bonded, which, entered),
