@@ -184,7 +184,9 @@ fn numbers(record: &Record) -> Vec<f64> {
 /// Questions that are tried in turn until a key has an effect.
 fn questions(key: Key) -> &'static [Question] {
     match key {
-        Key::RecedingWorkOfAdhesion | Key::AdhesiveFloor => &[Question::Cycle],
+        Key::RecedingWorkOfAdhesion => &[Question::Cycle],
+        // Between rounded tops a cycle up to the transition turns before the jump onto the floor.
+        Key::AdhesiveFloor => &[Question::Cycle, Question::PastTransition],
         Key::FloorContact => &[Question::Press, Question::PastTransition],
         _ => &[Question::Press, Question::Transition],
     }
@@ -260,6 +262,16 @@ fn answer(file: &CaseFile, question: Question) -> Answer {
     }
     if file.is_rounded() {
         let case = file.asperity_case().map_err(|e| e.one_line())?;
+        let load = match question {
+            Question::PastTransition => {
+                let critical = case
+                    .field
+                    .transition(case.accuracy, &run)
+                    .map_err(refused)?;
+                Load::Indentation(1.1 * critical.contact.indentation)
+            }
+            _ => load,
+        };
         let contact = case
             .field
             .press(load, case.accuracy, &run)

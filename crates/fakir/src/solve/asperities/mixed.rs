@@ -298,8 +298,8 @@ impl<'a> Ground<'a> {
         reach.unwrap_or(self.lens.widest())
     }
 
-    /// Whether there is no pillar at the centre of a cell with this side, and with an adhesive floor, on which fronts come close to pillars, none in the
-    /// cell: a force beside the edge of a contact would act on it as on no other.
+    /// Whether there is no pillar at the centre of a cell with this side; nor within half the side with an adhesive floor, whose fronts come close to
+    /// pillars, where a force at the edge of a contact would act on it as on no other.
     pub(super) fn is_free(&self, at: Point, side: f64) -> bool {
         let least = self.bench.floor_works.map_or(0.0, |_| 0.5 * side);
         let nearest = (self.pillars).nearest(at, Nearest::Edge, 0.0, None);
