@@ -288,8 +288,11 @@ class AsperityArray(Viscoelastic):
     @property
     def adhesion(self) -> Adhesion | None:
         """The adhesion of the tops, and of the floor if that is adhesive too; None without."""
-        works = self._asperities.adhesion
-        return None if works is None else Adhesion(*works)
+        adhesion = self._asperities.adhesion
+        if adhesion is None:
+            return None
+        work, receding, floor = adhesion
+        return Adhesion(work, receding, floor=floor)
 
     def cycle(
         self,
