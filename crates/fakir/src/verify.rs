@@ -364,13 +364,14 @@ fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
     if coarse.floor.is_none() && fine.floor.is_none() {
         return;
     }
-    let difference = |of: fn(&ContactState) -> f64| ((of(coarse) - of(fine)) / of(fine)).abs();
-    let force = difference(|state| state.force);
-    let indentation = difference(|state| state.indentation);
+    // Forces and shares may be those of tension.
+    let difference = |coarse: f64, fine: f64| ((coarse - fine) / fine).abs();
+    let force = difference(coarse.force, fine.force);
+    let indentation = difference(coarse.indentation, fine.indentation);
     let [share, area] = match (&coarse.floor, &fine.floor) {
         (Some(on_coarse), Some(on_fine)) => [
-            (on_coarse.share - on_fine.share).abs() / on_fine.share,
-            (on_coarse.area - on_fine.area).abs() / on_fine.area,
+            difference(on_coarse.share, on_fine.share),
+            difference(on_coarse.area, on_fine.area),
         ],
         _ => [1.0; 2],
     };
@@ -612,11 +613,15 @@ mod tests {
     }
 
     /// Past the transition, on the floor between adhesive tops.
-    fn agree_on_the_floor(adhesion: Adhesion) -> Verification {
+    fn on_the_floor(adhesion: Adhesion, indentation: f64) -> Verification {
         let sphere = under(LensShape::Sphere { radius: 0.3e-3 }, 3);
         let adhesive = sphere.with_adhesion(adhesion).unwrap();
-        let (load, run) = (Load::Indentation(4.5e-6), Run::default());
-        let found = verify(&adhesive, load, ElementMesh::default(), &run).unwrap();
+        let (load, run) = (Load::Indentation(indentation), Run::default());
+        verify(&adhesive, load, ElementMesh::default(), &run).unwrap()
+    }
+
+    fn agree_on_the_floor(adhesion: Adhesion, indentation: f64) -> Verification {
+        let found = on_the_floor(adhesion, indentation);
         let share = found.floor_share.unwrap();
         println!("{:?} {:?} {share:?}", found.force, found.area);
         assert_eq!(found.verdict(), Verdict::Agree);
@@ -629,15 +634,21 @@ mod tests {
     /// A floor without adhesion carries pressures.
     #[test]
     fn both_methods_agree_on_the_floor_between_adhesive_tops() {
-        let found = agree_on_the_floor(Adhesion::new(10e-3));
+        let found = agree_on_the_floor(Adhesion::new(10e-3), 4.5e-6);
         assert!(found.area.unwrap().allowed < 0.4);
     }
 
-    /// An adhesive floor is bonded up to annuli around the pillars. Its stated area has no digit, and is not compared.
+    /// An adhesive floor is bonded up to annuli around the pillars. Its stated area has no digit, and is not compared. At 4.5 um it pulls with a hundredth
+    /// of the load, of which no digit is known: the two meshes find different signs.
     #[test]
     #[ignore = "slow: an adhesive floor by both methods"]
     fn both_methods_agree_on_an_adhesive_floor() {
-        agree_on_the_floor(Adhesion::new(10e-3).with_floor());
+        let adhesion = Adhesion::new(10e-3).with_floor();
+        agree_on_the_floor(adhesion, 6e-6);
+        let found = on_the_floor(adhesion, 4.5e-6);
+        let no_digits = |doubt| matches!(doubt, InconclusiveReason::NoDigits { .. });
+        assert!(found.verdict().doubt().is_some_and(no_digits));
+        assert!(found.force.is_allowed() && found.force.allowed < 0.4);
     }
 
     #[test]
