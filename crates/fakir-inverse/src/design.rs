@@ -1309,7 +1309,7 @@ impl Search<'_> {
         ask: impl Fn(&SurfaceSystem) -> Result<T, SolveError>,
     ) -> Result<Answered<T>, DesignError> {
         let needed = |error: &DesignError| match error {
-            DesignError::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            DesignError::Solve(error) => error.needed_width(),
             _ => None,
         };
         on_wide_enough_a_grid(file, self.run.memory_limit(), needed, |case| {

@@ -68,7 +68,7 @@ impl SampleError {
     /// Width, m, of a grid that contains the contact.
     fn needed_width(&self) -> Option<f64> {
         match self {
-            Self::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            Self::Solve(error) => error.needed_width(),
             _ => None,
         }
     }

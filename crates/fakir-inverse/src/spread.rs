@@ -149,6 +149,8 @@ pub struct Spread {
     pub first_order: Result<FirstOrder, String>,
     /// Keys of what is drawn besides the tolerances.
     drawn: Option<Drawn>,
+    /// Whether the pillars are at random positions.
+    is_random: bool,
 }
 
 /// Errors of a spread.
@@ -293,6 +295,7 @@ pub fn spread(
         samples: samples?,
         first_order,
         drawn,
+        is_random,
     })
 }
 
@@ -621,6 +624,12 @@ pub struct Summary {
 pub const PERCENTAGES: [f64; 7] = [2.5, 5.0, 25.0, 50.0, 75.0, 95.0, 97.5];
 
 impl Spread {
+    /// Whether the pillars are at random positions, among which the lens lands in the place of a cell of a lattice.
+    #[must_use]
+    pub fn is_among_random_pillars(&self) -> bool {
+        self.is_random
+    }
+
     /// The critical states that were found.
     pub fn found(&self) -> impl Iterator<Item = &Critical> {
         self.samples

@@ -141,7 +141,7 @@ pub fn verify(
         SurfaceOrigin::Pattern(_) => {}
     }
     let needed = |error: &SurfaceVerifyError| match error {
-        SurfaceVerifyError::Surface(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+        SurfaceVerifyError::Surface(error) => error.needed_width(),
         _ => None,
     };
     let answer = |cells: usize| {

@@ -319,9 +319,10 @@ fn critical_rows(answer: &Answer, indentation: f64, known: [usize; 3]) -> String
 }
 
 fn spread_text(sampling: &Sampling, spread: &Spread) -> String {
-    let is_random = spread.samples.iter().all(|it| it.offset <= 0.0);
     let landing = match sampling.landing {
-        Landing::Anywhere if is_random => "the lens landing anywhere among random pillars",
+        Landing::Anywhere if spread.is_among_random_pillars() => {
+            "the lens landing anywhere among random pillars"
+        }
         Landing::Anywhere => "the lens landing anywhere on the lattice",
         Landing::AsGiven => "the lens landing as given",
     };

@@ -195,7 +195,7 @@ impl FitError {
     /// Sufficient width (m) of the grid of a height map, if the contact extends beyond it.
     pub(super) fn needed_width(&self) -> Option<f64> {
         match self {
-            Self::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            Self::Solve(error) => error.needed_width(),
             _ => None,
         }
     }

@@ -1,9 +1,10 @@
 //! Designs of adhesive height maps, against closed forms and cycles of flat surfaces.
 
+use crate::map_design::answer;
 use fakir::problem::Load;
 use fakir::state::Run;
 use fakir_case::{CaseFile, Key};
-use fakir_inverse::design::{Answer, Design, PressedQuantity, PulledOff, Reached, Wanted, design};
+use fakir_inverse::design::{Design, PressedQuantity, PulledOff, Reached, Wanted};
 use std::f64::consts::PI;
 use std::fmt::Write;
 
@@ -23,15 +24,6 @@ fn flat(cell: &str, overrides: &[&str]) -> CaseFile {
         file.set(argument).unwrap();
     }
     file.with_table("map.txt", rows.as_bytes())
-}
-
-fn answer(file: &CaseFile, free: Key, wanted: Wanted) -> Answer {
-    let design = design(file, free, wanted, &Run::default()).unwrap();
-    Answer {
-        free,
-        wanted,
-        design,
-    }
 }
 
 /// F = -3/2 pi w R (Johnson, Kendall, Roberts, Proc. R. Soc. A 324, 301 (1971)): the work of adhesion, and the lens radius, of a pull-off force.

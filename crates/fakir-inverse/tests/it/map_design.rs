@@ -20,7 +20,8 @@ fn file(overrides: &[&str]) -> CaseFile {
     file
 }
 
-fn answer(file: &CaseFile, free: Key, wanted: Wanted) -> Answer {
+/// The result of a search that must not fail.
+pub(crate) fn answer(file: &CaseFile, free: Key, wanted: Wanted) -> Answer {
     let design = design(file, free, wanted, &Run::default()).unwrap();
     Answer {
         free,

@@ -82,7 +82,7 @@ impl AnswerError {
     /// The sufficient width of a grid that is too narrow for the contact, m.
     pub(crate) fn needed_width(&self) -> Option<f64> {
         match self {
-            Self::Solve(SolveError::SurfaceEnds { needed, .. }) => Some(*needed),
+            Self::Solve(error) => error.needed_width(),
             _ => None,
         }
     }

@@ -2,7 +2,7 @@
 
 use super::adhesion::{Adhesion, elongation_of_curved};
 use super::interactions::Interactions;
-use super::layer::{Body, Layer, WeightedLayer};
+use super::layer::{Layer, WeightedLayer};
 use super::lens::{LensShape, Material, ShapedLens, covered_by_punch};
 use super::point::Point;
 use super::quantity::{InvalidQuantity, Quantity, Requirement};
@@ -264,23 +264,14 @@ impl AsperityArray {
         self.layers.iter().any(Option::is_some)
     }
 
-    /// The substrate and the indenter, unless that is rigid.
-    fn bodies(&self) -> Vec<Body> {
-        let [substrate, indenter] = self.layers;
-        let of_indenter = (self.indenter.material()).map(|material| (material, indenter));
-        std::iter::once((self.substrate, substrate))
-            .chain(of_indenter)
-            .collect()
-    }
-
     /// The layers in a unit of length (m).
     pub(crate) fn weighted_layers(&self, unit: f64) -> Vec<WeightedLayer> {
-        WeightedLayer::among(&self.bodies(), unit)
+        WeightedLayer::among(&self.indenter.bodies(self.substrate, self.layers), unit)
     }
 
     /// [Derivatives](WeightedLayer::changes) of the correction for layers, in a unit of length (m).
     pub(crate) fn layer_changes(&self, unit: f64) -> Vec<(Quantity, Vec<WeightedLayer>)> {
-        WeightedLayer::changes(&self.bodies(), unit)
+        WeightedLayer::changes(&self.indenter.bodies(self.substrate, self.layers), unit)
     }
 
     /// The same array with a floor at this depth below the reference level, m: the height of pillars that are not raised. The

@@ -35,6 +35,14 @@ impl Indenter {
         }
     }
 
+    /// The substrate and the indenter, unless that is rigid, with their layers in this order.
+    pub(super) fn bodies(&self, substrate: Material, layers: [Option<Layer>; 2]) -> Vec<Body> {
+        let [of_substrate, of_indenter] = layers;
+        let indenter = self.material().map(|material| (material, of_indenter));
+        let substrate = std::iter::once((substrate, of_substrate));
+        substrate.chain(indenter).collect()
+    }
+
     /// The lens; `None` for a level plate.
     #[must_use]
     pub fn lens(&self) -> Option<&ShapedLens> {
@@ -307,23 +315,14 @@ impl SurfaceSystem {
         self.layers.iter().any(Option::is_some)
     }
 
-    /// The substrate, and the indenter unless it is rigid.
-    fn bodies(&self) -> Vec<Body> {
-        let [substrate, indenter] = self.layers;
-        let of_indenter = (self.indenter.material()).map(|material| (material, indenter));
-        std::iter::once((self.substrate, substrate))
-            .chain(of_indenter)
-            .collect()
-    }
-
     /// The layers, in m.
     pub(crate) fn weighted_layers(&self) -> Vec<WeightedLayer> {
-        WeightedLayer::among(&self.bodies(), 1.0)
+        WeightedLayer::among(&self.indenter.bodies(self.substrate, self.layers), 1.0)
     }
 
     /// [Derivatives](WeightedLayer::changes) of the correction for layers, in m.
     pub(crate) fn layer_changes(&self) -> Vec<(Quantity, Vec<WeightedLayer>)> {
-        WeightedLayer::changes(&self.bodies(), 1.0)
+        WeightedLayer::changes(&self.indenter.bodies(self.substrate, self.layers), 1.0)
     }
 
     /// The boundary condition.

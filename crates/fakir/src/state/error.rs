@@ -242,6 +242,15 @@ impl SolveError {
     #[allow(non_upper_case_globals)]
     pub const NothingSticks: Self = Self::NoAdhesion;
 
+    /// Sufficient width of a grid that is too narrow for the contact, m; `None` of other errors.
+    #[must_use]
+    pub fn needed_width(&self) -> Option<f64> {
+        match self {
+            Self::SurfaceEnds { needed, .. } => Some(*needed),
+            _ => None,
+        }
+    }
+
     /// That a contact reaches too far from where the lens is lowest. Lengths are in a unit of so many m.
     pub(crate) fn beyond(lens: &ShapedLens, reach: f64, unit: f64) -> Self {
         let (reach, widest) = (reach * unit, lens.widest() * unit);

@@ -190,11 +190,12 @@ impl<'a> Ground<'a> {
         Ok(contacts)
     }
 
-    /// The floor on cells of a side as part of equations; `None` without cells.
+    /// The floor on cells of a side as part of equations; with adhesion, its works are multiplied by a factor. `None` without cells.
     fn on_grid(
         &self,
         mut equations: Equations<'a>,
         (alone, bound, side): (&Contacts, f64, f64),
+        works: f64,
     ) -> Result<Option<(Equations<'a>, Mesh<'a>)>, SolveError> {
         let Some(mesh) = self.mesh(alone, bound, side)? else {
             return Ok(None);
@@ -211,7 +212,7 @@ impl<'a> Ground<'a> {
                 suggested_cell: side * length * (bytes as f64 / limit as f64).powf(0.25),
             });
         }
-        equations.ground = self.loaded(&mesh, 1.0);
+        equations.ground = self.loaded(&mesh, works);
         Ok(Some((equations, mesh)))
     }
 
@@ -224,7 +225,7 @@ impl<'a> Ground<'a> {
         let Some((grid, _)) = self.grid(target, alone)? else {
             return Ok(None);
         };
-        let on = |factor: f64| self.on_grid(self.equations(), grid.with_cells(factor));
+        let on = |factor: f64| self.on_grid(self.equations(), grid.with_cells(factor), 1.0);
         let [fine, coarse] = match self.bench.floor_works {
             Some(_) => OF_ADHESIVE_CYCLE,
             None => OF_CYCLE,
@@ -278,7 +279,7 @@ impl<'a> Ground<'a> {
         target: Prescribed,
         grid: (&Contacts, f64, f64),
     ) -> Result<Option<OnGrid<'a>>, SolveError> {
-        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid)? else {
+        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid, 1.0)? else {
             return Ok(None);
         };
         let mut path = Path::new(&mut equations, Some(grid.1), self.run)?;
@@ -307,12 +308,9 @@ impl<'a> Ground<'a> {
         (grid, works): ((&Contacts, f64, f64), f64),
         known: &OnGrid<'_>,
     ) -> Result<Option<OnGrid<'a>>, SolveError> {
-        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid)? else {
+        let Some((mut equations, mesh)) = self.on_grid(self.equations(), grid, works)? else {
             return Ok(None);
         };
-        if self.bench.floor_works.is_some() {
-            equations.ground = self.loaded(&mesh, works);
-        }
         let mut is_bonded = vec![0.0; known.mesh.cells.len()];
         for cell in &*known.contacts.bonded {
             is_bonded[*cell] = 1.0;
