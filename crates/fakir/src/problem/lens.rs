@@ -495,15 +495,15 @@ impl ShapedLens {
         distance * distance / (2.0 * self.sag_at_distance(distance))
     }
 
-    /// The radius for the criterion whether the lens differs from a quadratic surface over a pillar top: infinite for quadratic shapes, 0
-    /// for a table, for which it is unknown.
+    /// The radius for the criterion whether the lens differs from a quadratic surface over a pillar top: infinite for quadratic shapes, that
+    /// of a sphere with the same deviations for a table.
     pub(crate) fn quadratic_radius(&self) -> f64 {
         match &self.shape {
             LensShape::Sphere { radius } | LensShape::Cylinder { radius, .. } => *radius,
             LensShape::Paraboloid { .. } | LensShape::Plate { .. } | LensShape::Punch { .. } => {
                 f64::INFINITY
             }
-            LensShape::Profile(_) => 0.0,
+            LensShape::Profile(profile) => profile.quadratic_radius(),
         }
     }
 

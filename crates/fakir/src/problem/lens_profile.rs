@@ -191,6 +191,23 @@ impl LensProfile {
         (lowest < 0.0).then(|| -lowest.recip())
     }
 
+    /// The radius of a sphere that deviates from a quadratic surface as much as the profile does where it deviates most; 0 if its second
+    /// derivative vanishes anywhere. On a sphere of radius `R` up to a distance of `R/2`, the third derivative is at most `2/R` times the
+    /// second one.
+    pub(super) fn quadratic_radius(&self) -> f64 {
+        let intervals = 0..self.radii.len() - 1;
+        let radii = intervals.map(|interval| {
+            let [width, _, square, cube] = self.cubic(interval);
+            let [start, end] = [2.0 * square, 2.0 * square + 6.0 * cube * width];
+            if start * end > 0.0 {
+                2.0 * start.abs().min(end.abs()) / (6.0 * cube).abs()
+            } else {
+                0.0
+            }
+        });
+        radii.fold(f64::INFINITY, f64::min)
+    }
+
     /// Height, slope and second derivative at a distance from the axis.
     pub(crate) fn at(&self, distance: f64) -> [f64; 3] {
         let last = self.radii.len() - 1;
@@ -333,6 +350,24 @@ mod tests {
     }
 
     /// `r^2 + r^3/5` is a cubic with zero slope on the axis: the spline reproduces it for any rows.
+    /// Expected: the radius of a sphere itself, in a table up to half its radius; none for a paraboloid; 0 for a cone with a round tip, whose
+    /// flank is straight.
+    #[test]
+    fn deviations_from_a_quadratic_surface_are_those_of_a_sphere() {
+        let radii: Vec<f64> = (0..=500).map(|k| 1e-3 * f64::from(k)).collect();
+        let sphere = of(|r| 1.0 - (1.0 - r * r).sqrt(), &radii).quadratic_radius();
+        assert!((sphere - 1.0).abs() < 0.01, "{sphere}");
+        assert!(of(|r| 0.5 * r * r, &radii).quadratic_radius() > 1e3);
+        let cone = |r: f64| {
+            if r < 0.1 {
+                r * r
+            } else {
+                0.01 + 0.2 * (r - 0.1)
+            }
+        };
+        assert!(of(cone, &radii).quadratic_radius() < 1e-3);
+    }
+
     #[test]
     fn cubics_are_met_at_every_place() {
         let cubic = |r: f64| r * r + 0.2 * r.powi(3);

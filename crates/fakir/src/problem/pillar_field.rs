@@ -527,6 +527,17 @@ impl PillarField {
         }
     }
 
+    /// The vectors that define the indices of a lattice of tops of unit radius, of any heights and not necessarily infinite.
+    pub(crate) fn vectors_of_unit_tops(&self) -> Option<[Point; 2]> {
+        match self {
+            Self::Hexagonal { lattice, .. } => {
+                Some([(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)))
+            }
+            Self::Lattice(lattice) => (lattice.body.radius == 1.0).then_some(lattice.vectors),
+            Self::Listed(_) => None,
+        }
+    }
+
     /// Distance of nearest neighbours on a lattice; the spacing of a list.
     pub(crate) fn shortest_distance(&self) -> f64 {
         match self {

@@ -646,6 +646,9 @@ const DEEP: f64 = 0.8;
 /// Number of points with the lowest approximate values that are evaluated accurately.
 const PROMISING: usize = 100;
 
+/// Number of points of a ring that stand for it.
+const OF_RING: usize = 3;
+
 /// Search for the lowest points of the floor near the lens axis; keeps them as starts of the next search.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct FloorSearch {
@@ -939,16 +942,49 @@ fn promising<'p>(
     loaded: &impl FloorDisplacement,
     points: &'p [Point],
 ) -> Cow<'p, [Point]> {
-    // On a lattice there are few points.
-    let rough = match floor.around {
-        Surroundings::Lattice(_) => None,
-        Surroundings::Sites { .. } => loaded.rough_displacements(points),
+    // On a hexagonal lattice there are few points.
+    let Surroundings::Sites { sites, spacing, .. } = floor.around else {
+        return Cow::Borrowed(points);
     };
+    if points.len() * sites.len() >= MANY && sites.are_regular() {
+        return Cow::Owned(lowest_along_radius(floor, loaded, points, 0.5 * spacing));
+    }
+    let rough = loaded.rough_displacements(points);
     let deep = |[unit, _]: &[f64; 2]| *unit > DEEP;
     let rough = rough.filter(|rough| !rough.iter().any(deep));
     rough.map_or(Cow::Borrowed(points), |rough| {
         Cow::Owned(lowest_roughly(floor, points, &rough))
     })
+}
+
+/// The points in the rings around the lens axis, of this width, with the lowest values at a few of their points. Between equal pillars of a
+/// lattice under an axisymmetric lens, values depend almost on the distance from the axis alone.
+fn lowest_along_radius(
+    floor: &Uncovered<'_>,
+    loaded: &impl FloorDisplacement,
+    points: &[Point],
+    width: f64,
+) -> Vec<Point> {
+    let ring = |[x, y]: &Point| (x.hypot(*y) / width) as usize;
+    let mut sorted = points.to_vec();
+    sorted.sort_by_cached_key(ring);
+    let mut rings: Vec<(f64, &[Point])> = sorted
+        .chunk_by(|one, other| ring(one) == ring(other))
+        .map(|points| {
+            let sampled = points.iter().step_by(points.len().div_ceil(OF_RING));
+            let values = sampled.filter_map(|point| value_of_contact(floor, loaded, *point));
+            (values.fold(f64::INFINITY, f64::min), points)
+        })
+        .collect();
+    rings.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut lowest = Vec::new();
+    for (_, points) in rings {
+        if lowest.len() >= PROMISING {
+            break;
+        }
+        lowest.extend_from_slice(points);
+    }
+    lowest
 }
 
 /// The points with the lowest values according to approximate displacements.
@@ -967,7 +1003,9 @@ fn lowest_roughly(floor: &Uncovered<'_>, points: &[Point], rough: &[[f64; 2]]) -
 mod tests {
     use super::*;
     use crate::numerics::neighbours::tests::random_discs;
-    use crate::problem::pillar_field::{ListedPillar, PillarBody, PillarField, PillarList};
+    use crate::problem::pillar_field::{
+        ListedPillar, PillarBody, PillarField, PillarList, PlaneLattice,
+    };
     use crate::problem::{Lens, Material};
     use std::sync::Arc;
 
@@ -1031,6 +1069,45 @@ mod tests {
         fn displacement(&self, position: Point) -> [FieldJet; 2] {
             self.0.displacement(position)
         }
+    }
+
+    /// A ring that is pressed towards the lens, a little more on one side.
+    struct Ring;
+
+    impl FloorDisplacement for Ring {
+        fn displacement(&self, [x, y]: Point) -> [FieldJet; 2] {
+            let mut jets = [FieldJet::default(); 2];
+            jets[1].value = 0.5 * ((x.hypot(y) - 30.0) / 20.0).powi(2) + 1e-4 * x;
+            jets
+        }
+    }
+
+    /// Expected: the lowest of all holes, and the points of one pair of rings at most in addition to those that are looked at in any case.
+    #[test]
+    fn the_lowest_hole_of_a_lattice_is_in_the_lowest_rings() {
+        let body = PillarBody::of_column(0.0);
+        let lattice = PlaneLattice::new([[3.0, 0.0], [0.4, 3.5]], [0.7, -0.2], body).unwrap();
+        let field = PillarField::Lattice(Arc::new(lattice));
+        let sites = Sites::within(&field, 70.0);
+        let lens = Lens {
+            radius: 1e6,
+            material: Material::new(1.0, 0.5),
+        };
+        let floor = Uncovered {
+            lens: lens.into(),
+            height: 3.0,
+            around: Surroundings::of_sites(&sites, field.spacing(), 65.0),
+        };
+        let holes = floor.around.starts().holes;
+        let found = promising(&floor, &Ring, &holes);
+        assert!(found.len() < 2 * PROMISING && found.len() < holes.len() / 4);
+        let lowest = |points: &[Point]| {
+            let values = points
+                .iter()
+                .filter_map(|at| value_of_contact(&floor, &Ring, *at));
+            values.fold(f64::INFINITY, f64::min)
+        };
+        assert_eq!(lowest(&found).to_bits(), lowest(&holes).to_bits());
     }
 
     #[test]

@@ -14,7 +14,7 @@
 //! Products are computed in double precision or in single precision, which takes about half the time. A kernel is stored as the sum of two
 //! numbers in single precision; single-precision products read only the first of these.
 
-use super::differences::{Differences, square};
+use super::differences::Differences;
 use super::pair::PairCoupling;
 use super::window::Window;
 use crate::halfspace::disc::basis::Mode;
@@ -29,7 +29,7 @@ use crate::numerics::workers::Workers;
 use fakir_fft::{Fft, Transformable};
 use num_complex::{Complex, Complex64};
 use pulp::{Arch, Simd, WithSimd};
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Number of rows in a tile.
@@ -301,7 +301,7 @@ fn kernels(
     let (_, columns) = layout.padded;
     let (entries, half) = (layout.entries, layout.half);
     let least = layout.least();
-    let radial = radial_parts(pair, differences.square_of_largest(), workers);
+    let radial = radial_parts(pair, &differences.distances(), workers);
     let mut kernel = Aligned::new(layout.strips() * layout.kernel_strip());
     // The transformed rows of the lattice take as much memory as the kernels: large lattices are processed in groups of columns.
     let of_strip = size_of::<Complex64>() * layout.shape.0 * entries * COLUMNS;
@@ -325,7 +325,7 @@ fn kernels(
             if workers.cancel.is_cancelled() {
                 return;
             }
-            work.fill_row(pair, &radial, (row, differences.columns(row)), columns);
+            work.fill_row(pair, &radial, (row, differences), columns);
             let RowWork {
                 pairs,
                 spare,
@@ -864,14 +864,14 @@ impl RowWork {
         &mut self,
         pair: &PairCoupling,
         radial: &[f64],
-        (row, apart): (usize, RangeInclusive<i64>),
+        (row, differences): (usize, &Differences),
         columns: usize,
     ) {
         for rows in &mut self.pairs {
             rows.rows().fill(Complex64::default());
         }
-        let (row, parts) = (row as i64, pair.radial_count());
-        for column in apart {
+        let parts = pair.radial_count();
+        for column in differences.columns(row) {
             if (row, column) == (0, 0) {
                 // The effect of layers on the pillar itself has no direction.
                 if let Some(own) = pair.own_block(1.0) {
@@ -883,12 +883,10 @@ impl RowWork {
                 }
                 continue;
             }
-            let norm = (square(row, column) as f64).sqrt();
-            let direction = [
-                0.5 * 3f64.sqrt() * (row + column) as f64 / norm,
-                0.5 * (row - column) as f64 / norm,
-            ];
-            let radial = &radial[distance_number(row, column) * parts..][..parts];
+            let [x, y] = differences.vector(row as i64, column);
+            let distance = x.hypot(y);
+            let direction = [x / distance, y / distance];
+            let radial = &radial[differences.number(row, column) * parts..][..parts];
             pair.upper_block(radial, direction, &mut self.block);
             self.place_block(column.rem_euclid(columns as i64) as usize);
         }
@@ -919,37 +917,15 @@ impl<R: Real> RowWorkspace<R> {
     }
 }
 
-/// The parts of the coupling that depend on the distance alone, for each lattice distance up to a maximum, by [`distance_number`]. The
-/// square of the maximum is given, in pitches.
-fn radial_parts(pair: &PairCoupling, square_of_largest: i64, workers: Workers<'_>) -> Vec<f64> {
+/// The parts of the coupling that depend on the distance alone, for each of these distances that is not 0.
+fn radial_parts(pair: &PairCoupling, distances: &[f64], workers: Workers<'_>) -> Vec<f64> {
     let parts = pair.radial_count();
-    let most = (square_of_largest as f64).sqrt() as i64 + 1;
-    let count = distance_number(most + 1, 0);
-    let mut radial = vec![0.0; count * parts];
-    // Distances are numbered by rows: `(i, j)` for all `0 <= j <= i`.
-    let row_of = |number: usize| (((8 * number + 1) as f64).sqrt() as i64 - 1) / 2;
+    let mut radial = vec![0.0; distances.len() * parts];
     let one = |(): &mut (), number: usize, radial: &mut [f64]| {
-        if number == 0 || workers.cancel.is_cancelled() {
-            return;
-        }
-        let i = row_of(number);
-        let j = number as i64 - i * (i + 1) / 2;
-        let square = square(i, j);
-        if square <= square_of_largest {
-            pair.radial((square as f64).sqrt() * pair.pitch(), radial);
+        if distances[number] > 0.0 && !workers.cancel.is_cancelled() {
+            pair.radial(distances[number], radial);
         }
     };
     workers.fill(&mut radial, parts, DISTANCES, || (), one);
     radial
-}
-
-/// Index of the distance of pillars. Pillars `(u, v)` and `(i, j)` rows and columns apart have the same distance if they are images of each
-/// other under the rotations and mirrors of the lattice. One of twelve (or six) images has `0 <= j <= i`; it determines the index.
-fn distance_number(u: i64, v: i64) -> usize {
-    let [a, b, c] = [u.abs(), v.abs(), (u + v).abs()];
-    // The largest is the sum of the other two.
-    let largest = a.max(b).max(c);
-    let smallest = a.min(b).min(c);
-    let i = largest - smallest;
-    (i * (i + 1) / 2 + smallest) as usize
 }

@@ -31,7 +31,7 @@ impl CouplingChange {
         let size = sites.len() * pair.modes().len();
         let mut by_distance = vec![0.0; size];
         if let Some(first) = moments.first()
-            && (sites.window().is_some() || pair.has_layers())
+            && (sites.hexagonal_lattice().is_some() || pair.has_layers())
         {
             let mut coupling = LatticeCoupling::of_sites(sites, &pair.by_distance(), workers);
             coupling.apply(first, &mut by_distance, workers);

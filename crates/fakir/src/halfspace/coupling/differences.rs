@@ -7,15 +7,22 @@
 
 use super::window::Window;
 use crate::numerics::fft::smooth_size;
+use crate::problem::Point;
 use std::ops::RangeInclusive;
 
 /// The lattice vectors between pillars of a window.
 pub(crate) struct Differences {
+    /// Vectors between adjacent rows, and between adjacent columns.
+    vectors: [Point; 2],
+    /// Whether they are two sides of a triangle with equal sides.
+    hexagonal: bool,
     /// Rows and columns of the window.
     shape: (usize, usize),
     /// For every number of rows between two pillars, from 0 on, the range of columns between these. The range has the opposite sign for
     /// negative numbers of rows.
     columns: Vec<RangeInclusive<i64>>,
+    /// Number of vectors in the rows before.
+    starts: Vec<usize>,
 }
 
 /// No columns.
@@ -41,12 +48,24 @@ impl Differences {
                 *most = here.1.max(*most);
             }
         }
+        let columns: Vec<RangeInclusive<i64>> = columns
+            .into_iter()
+            .map(|ends| ends.map_or(NONE, |(least, most)| least..=most))
+            .collect();
+        let vectors = window.vectors();
         Self {
+            vectors,
+            hexagonal: are_hexagonal(vectors),
             shape: window.shape(),
-            columns: columns
-                .into_iter()
-                .map(|ends| ends.map_or(NONE, |(least, most)| least..=most))
+            starts: columns
+                .iter()
+                .scan(0, |next, columns| {
+                    let start = *next;
+                    *next += (columns.end() - columns.start() + 1) as usize;
+                    Some(start)
+                })
                 .collect(),
+            columns,
         }
     }
 
@@ -55,12 +74,35 @@ impl Differences {
         self.columns[rows].clone()
     }
 
-    /// The square of the largest distance between pillars, in pitches.
-    pub(crate) fn square_of_largest(&self) -> i64 {
-        let rows = (0..).zip(&self.columns);
-        let rows = rows.filter(|(_, columns)| !columns.is_empty());
-        let ends = rows.flat_map(|(i, columns)| [(i, *columns.start()), (i, *columns.end())]);
-        ends.map(|(i, j)| square(i, j)).max().unwrap_or(0)
+    /// The vector between pillars this many rows and columns apart.
+    pub(crate) fn vector(&self, rows: i64, columns: i64) -> Point {
+        let [one, other] = self.vectors;
+        [0, 1].map(|k| one[k] * rows as f64 + other[k] * columns as f64)
+    }
+
+    /// Index of the distance of pillars this many rows, from 0 on, and columns apart among all [distances](Self::distances).
+    pub(crate) fn number(&self, rows: usize, column: i64) -> usize {
+        if self.hexagonal {
+            distance_number(rows as i64, column)
+        } else {
+            self.starts[rows] + (column - self.columns[rows].start()) as usize
+        }
+    }
+
+    /// All distances between pillars, by their numbers; 0 for numbers without vectors.
+    pub(crate) fn distances(&self) -> Vec<f64> {
+        let mut distances = Vec::new();
+        for (rows, columns) in self.columns.iter().enumerate() {
+            for column in columns.clone() {
+                let number = self.number(rows, column);
+                if distances.len() <= number {
+                    distances.resize(number + 1, 0.0);
+                }
+                let [x, y] = self.vector(rows as i64, column);
+                distances[number] = x.hypot(y);
+            }
+        }
+        distances
     }
 
     /// A small array with at least this number of rows in which all vectors have distinct positions. Its sides are fast to transform. (For
@@ -102,9 +144,24 @@ impl Differences {
     }
 }
 
-/// The square of the distance of pillars this many rows and columns apart, in pitches.
-pub(crate) fn square(rows: i64, columns: i64) -> i64 {
-    rows * rows + rows * columns + columns * columns
+/// Whether two vectors are adjacent sides of a triangle with equal sides, the vectors of [`HexagonalLattice`](crate::problem::HexagonalLattice).
+fn are_hexagonal([[a, b], [c, d]]: [Point; 2]) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    let square = a * a + b * b;
+    let of_square = |length: f64, factor: f64| (length - factor * square).abs() < ROUNDING * square;
+    of_square(c * c + d * d, 1.0) && of_square(a * c + b * d, 0.5)
+}
+
+/// Index of the distance of pillars of a hexagonal lattice. Pillars `(u, v)` and `(i, j)` rows and columns apart have the same distance if
+/// they are images of each other under the rotations and mirrors of the lattice. One of twelve (or six) images has `0 <= j <= i`; it
+/// determines the index.
+fn distance_number(u: i64, v: i64) -> usize {
+    let [a, b, c] = [u.abs(), v.abs(), (u + v).abs()];
+    // The largest is the sum of the other two.
+    let largest = a.max(b).max(c);
+    let smallest = a.min(b).min(c);
+    let i = largest - smallest;
+    (i * (i + 1) / 2 + smallest) as usize
 }
 
 #[cfg(test)]
@@ -144,7 +201,6 @@ mod tests {
                         apart
                     };
                     assert!(differences.columns(down as usize).contains(&right));
-                    assert!(square(down, right) <= differences.square_of_largest());
                     let place = (
                         apart.0.rem_euclid(rows as i64),
                         apart.1.rem_euclid(columns as i64),

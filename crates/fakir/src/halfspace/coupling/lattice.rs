@@ -108,10 +108,16 @@ impl Coupling for LatticeCoupling<'_> {
 
 /// Approximate memory in bytes for the solution of pillars at arbitrary positions.
 pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: bool) -> f64 {
+    let pillars = sites.len() as f64;
+    if let Some(window) = sites.window() {
+        // The vectors between pillars of a disc fill a square twice as long.
+        let (rows, columns) = window.shape();
+        return of_convolution([rows as f64, columns as f64], 2.0, pillars, modes);
+    }
     if sites.len() > PAIRS_LIMIT && !layered {
         Plan::new(sites, modes).memory(sites.len(), modes)
     } else {
-        DirectCoupling::memory_estimate(sites.len() as f64, modes)
+        DirectCoupling::memory_estimate(pillars, modes)
     }
 }
 
@@ -122,13 +128,17 @@ pub(crate) fn memory_estimate_of_sites(sites: &Sites, modes: usize, layered: boo
 pub(crate) fn memory_estimate(pillars: f64, modes: usize) -> f64 {
     // A rhombus around a circle has 4/(pi sqrt3/2)... of its area, in lattice cells.
     let side = (pillars * 4.0 / (std::f64::consts::PI * 0.866)).sqrt() + 2.0;
+    of_convolution([side; 2], 3f64.sqrt(), pillars, modes)
+}
+
+/// The same for an array of this many rows and columns, which is padded to this many times its sides.
+fn of_convolution([rows, columns]: [f64; 2], padded: f64, pillars: f64, modes: usize) -> f64 {
     let modes = modes as f64;
     let pairs = 0.5 * modes * (modes + 1.0);
-    let padded = 3f64.sqrt() * side;
-    let half = 0.5 * padded + 1.0;
-    let kernels = 8.0 * pairs * padded * half;
-    let build = (16.0 * pairs * side * half).min(TRANSFORMED as f64);
-    let spectrum = 16.0 * modes * side * half;
+    let half = 0.5 * padded * columns + 1.0;
+    let kernels = 8.0 * pairs * padded * rows * half;
+    let build = (16.0 * pairs * rows * half).min(TRANSFORMED as f64);
+    let spectrum = 16.0 * modes * rows * half;
     let vectors = 12.0 * 8.0 * modes * pillars;
     kernels + build + spectrum + vectors
 }
@@ -140,6 +150,8 @@ mod tests {
     use crate::halfspace::disc::basis::mode_count;
     use crate::numerics::workers::CancelToken;
     use crate::problem::HexagonalLattice;
+    use crate::problem::pillar_field::{PillarBody, PillarField, PlaneLattice};
+    use std::sync::Arc;
 
     /// Arbitrary, reproducible coefficients.
     fn coefficients(count: usize) -> Vec<f64> {
@@ -188,6 +200,42 @@ mod tests {
                         assert!((a - b).abs() < 1e-13 * scale, "degree {degree}: {a} {b}");
                     }
                 }
+            }
+        }
+    }
+
+    /// Expected: the sums over all pairs of tops, for lattices of any vectors.
+    #[test]
+    fn coupling_on_any_lattice_is_that_of_all_pairs() {
+        let cancel = CancelToken::default();
+        let workers = Workers {
+            pool: None,
+            cancel: &cancel,
+        };
+        let body = PillarBody::of_column(0.0);
+        for vectors in [
+            [[4.0, 0.0], [0.0, 4.0]],
+            [[3.0, 0.0], [0.0, 7.0]],
+            [[0.0, 5.0], [3.0, 0.0]],
+            [[4.0, 0.5], [1.7, 4.4]],
+            [[4.0, 0.0], [9.5, 2.5]],
+        ] {
+            let lattice = PlaneLattice::new(vectors, [0.7, -1.1], body).unwrap();
+            let field = PillarField::Lattice(Arc::new(lattice));
+            let sites = Sites::within(&field, 25.0);
+            assert!(sites.window().is_some() && sites.len() > DIRECT_LIMIT);
+            let pair = PairCoupling::new(2, 3.0);
+            let c = coefficients(sites.len() * mode_count(2));
+            let [mut direct, mut found] = [(); 2].map(|()| vec![0.0; c.len()]);
+            DirectCoupling::new(sites.centres(), |_| 1.0, &pair, workers).apply(
+                &c,
+                &mut direct,
+                workers,
+            );
+            LatticeCoupling::of_sites(&sites, &pair, workers).apply(&c, &mut found, workers);
+            let scale = direct.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+            for (a, b) in direct.iter().zip(&found) {
+                assert!((a - b).abs() < 1e-13 * scale, "{vectors:?}: {a} {b}");
             }
         }
     }

@@ -21,9 +21,11 @@ pub(crate) struct Sites {
 
 #[derive(Debug, Clone)]
 enum Places {
+    /// Equal tops on a lattice without gaps.
     Window {
         window: Window,
-        lattice: HexagonalLattice,
+        /// The lattice of equal pillars, if it is hexagonal.
+        hexagonal: Option<HexagonalLattice>,
     },
     /// In order of increasing index.
     Listed {
@@ -53,10 +55,24 @@ impl Sites {
         let common = pillars[0].1.body;
         let bodies: Vec<PillarBody> = pillars.iter().map(|(_, pillar)| pillar.body).collect();
         let are_alike = bodies.iter().all(|body| *body == common);
+        let places = || {
+            pillars
+                .iter()
+                .map(|(index, pillar)| (*index, pillar.centre))
+        };
+        let window = field
+            .vectors_of_unit_tops()
+            .and_then(|vectors| Window::without_gaps(vectors, places().collect(), radius));
         Self {
-            places: Places::Listed {
-                indices: pillars.iter().map(|(index, _)| *index).collect(),
-                centres: pillars.iter().map(|(_, pillar)| pillar.centre).collect(),
+            places: match window {
+                Some(window) => Places::Window {
+                    window,
+                    hexagonal: None,
+                },
+                None => Places::Listed {
+                    indices: places().map(|(index, _)| index).collect(),
+                    centres: places().map(|(_, centre)| centre).collect(),
+                },
             },
             common,
             bodies: if are_alike { Vec::new() } else { bodies },
@@ -108,14 +124,17 @@ impl Sites {
     ) -> Self {
         Self {
             radius: window.radius(),
-            places: Places::Window { window, lattice },
+            places: Places::Window {
+                window,
+                hexagonal: Some(lattice),
+            },
             common: PillarBody::of_column(column),
             bodies: Vec::new(),
             neighbours: OnceLock::new(),
         }
     }
 
-    /// The part of a hexagonal lattice, if the sites are one.
+    /// The part of a lattice of equal tops without gaps, if the sites are one.
     pub(crate) fn window(&self) -> Option<&Window> {
         match &self.places {
             Places::Window { window, .. } => Some(window),
@@ -123,10 +142,10 @@ impl Sites {
         }
     }
 
-    /// The hexagonal lattice of the sites, if there is one.
+    /// The hexagonal lattice of equal pillars of the sites, if there is one.
     pub(crate) fn hexagonal_lattice(&self) -> Option<&HexagonalLattice> {
         match &self.places {
-            Places::Window { lattice, .. } => Some(lattice),
+            Places::Window { hexagonal, .. } => hexagonal.as_ref(),
             Places::Listed { .. } => None,
         }
     }
@@ -134,11 +153,14 @@ impl Sites {
     /// The positions on the lattice of the field; `None` for a list.
     pub(crate) fn on_lattice(&self, field: &PillarField) -> Option<Counted> {
         match &self.places {
-            Places::Window { window, lattice } => Some(Counted {
+            Places::Window {
+                window,
+                hexagonal: Some(_),
+            } => Some(Counted {
                 places: window.places().to_vec(),
-                vectors: [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)),
+                vectors: window.vectors(),
             }),
-            Places::Listed { centres, .. } => field.counted(centres),
+            Places::Window { .. } | Places::Listed { .. } => field.counted(self.centres()),
         }
     }
 
@@ -163,6 +185,11 @@ impl Sites {
     /// Whether all pillars have the common body.
     pub(crate) fn are_alike(&self) -> bool {
         self.bodies.is_empty()
+    }
+
+    /// Whether they are a part, around the lens axis, of an infinite lattice of equal pillars.
+    pub(crate) fn are_regular(&self) -> bool {
+        self.window().is_some() && self.are_alike() && self.radius.is_finite()
     }
 
     /// The common body, or that of the first pillar.

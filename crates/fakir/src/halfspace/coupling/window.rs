@@ -3,9 +3,12 @@
 use crate::problem::{HexagonalLattice, Point};
 use std::ops::Range;
 
-/// The pillars whose centres are within a radius of the lens axis, as a list and as positions in a rectangular array of lattice indices.
+/// The pillars of a lattice whose centres are within a radius of the lens axis, as a list and as positions in a rectangular array of lattice
+/// indices.
 #[derive(Debug, Clone)]
 pub(crate) struct Window {
+    /// Vectors between adjacent rows, and between adjacent columns.
+    vectors: [Point; 2],
     /// Lattice indices of the corner of the array.
     origin: (i64, i64),
     /// Rows and columns of the array.
@@ -36,6 +39,27 @@ impl Window {
         if indexed.is_empty() {
             indexed.push((nearest, lattice.centre(nearest.0, nearest.1)));
         }
+        let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
+        Self::of_pillars(vectors, indexed, radius)
+    }
+
+    /// The pillars of a lattice with these vectors, by increasing index, which are not empty; `None` if positions between the pillars of a
+    /// row are vacant.
+    pub(crate) fn without_gaps(
+        vectors: [Point; 2],
+        indexed: Vec<((i64, i64), Point)>,
+        radius: f64,
+    ) -> Option<Self> {
+        let neighbours = indexed.windows(2);
+        let are_next = |pair: &[((i64, i64), Point)]| {
+            let [(i, j), (u, v)] = [pair[0].0, pair[1].0];
+            i != u || j + 1 == v
+        };
+        (neighbours.into_iter().all(are_next)).then(|| Self::of_pillars(vectors, indexed, radius))
+    }
+
+    /// Pillars by increasing index, without gaps in any row.
+    fn of_pillars(vectors: [Point; 2], indexed: Vec<((i64, i64), Point)>, radius: f64) -> Self {
         let bounds = |pick: fn(&(i64, i64)) -> i64| {
             indexed
                 .iter()
@@ -52,6 +76,7 @@ impl Window {
             .collect();
         let from_row = |row: usize| places.partition_point(|place| place.0 < row);
         Self {
+            vectors,
             origin: (low_i, low_j),
             shape,
             rows: (0..shape.0)
@@ -72,6 +97,11 @@ impl Window {
     /// Number of pillars.
     pub(crate) fn len(&self) -> usize {
         self.places.len()
+    }
+
+    /// Vectors between adjacent rows, and between adjacent columns.
+    pub(crate) fn vectors(&self) -> [Point; 2] {
+        self.vectors
     }
 
     /// Rows and columns of the array of lattice indices.

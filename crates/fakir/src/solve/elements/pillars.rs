@@ -326,7 +326,7 @@ impl<'a> Level<'a> {
 
     fn lowest(&mut self, contact: &ElementContact) -> Result<Option<FloorPoint>, SolveError> {
         let cells = FloorUnderCells::new(&self.elements, &self.sites, &contact.pressure);
-        if self.sites.window().is_none() {
+        if self.sites.hexagonal_lattice().is_none() {
             // Among unequal pillars, other points may become the lowest as the contact grows.
             self.floor = FloorSearch::default();
         }

@@ -10,7 +10,6 @@ use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::cholesky::factorise;
 use crate::numerics::vector::widest;
-use crate::problem::HexagonalLattice;
 use std::f64::consts::PI;
 
 /// Smallest and largest number of tops for which the preconditioner is used.
@@ -32,19 +31,21 @@ struct MeanCoupling {
 }
 
 impl MeanCoupling {
-    fn new(lattice: &HexagonalLattice, window: &Window) -> Self {
+    fn new(window: &Window) -> Self {
         let (rows, columns) = window.shape();
         let reach = (rows as i64 - 1, columns as i64 - 1);
-        let pair = PairCoupling::new(0, lattice.pitch);
-        let [x0, y0] = lattice.centre(0, 0);
+        let [one, other] = window.vectors();
+        let pair = PairCoupling::new(0, one[0].hypot(one[1]));
         let mut values = Vec::with_capacity((2 * rows - 1) * (2 * columns - 1));
         let mut block = [0.0];
         for i in -reach.0..=reach.0 {
             for j in -reach.1..=reach.1 {
-                let [x, y] = lattice.centre(i, j);
                 block[0] = 0.0;
                 if (i, j) != (0, 0) {
-                    pair.block([x - x0, y - y0], &mut block);
+                    pair.block(
+                        [0, 1].map(|k| one[k] * i as f64 + other[k] * j as f64),
+                        &mut block,
+                    );
                 }
                 values.push(block[0]);
             }
@@ -77,9 +78,8 @@ pub(crate) struct Coarse {
 
 impl Coarse {
     pub(crate) fn new(sites: &Sites) -> Self {
-        let on_lattice = sites.hexagonal_lattice().zip(sites.window());
         Self {
-            coupling: on_lattice.map(|(lattice, window)| MeanCoupling::new(lattice, window)),
+            coupling: sites.window().map(MeanCoupling::new),
             tops: Vec::new(),
             factor: Vec::new(),
         }
