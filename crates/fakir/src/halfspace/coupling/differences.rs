@@ -2,8 +2,9 @@
 //!
 //! A convolution with pillars in a window needs the kernel only at these vectors. The periodic images of an array may overlap each other's
 //! corners, provided that no two of these vectors have the same position. The vectors of a disc of radius `R` fill a disc of radius `2 R`.
-//! The periodic images of a rhombus of lattice cells form a hexagonal lattice as well, on which the packing of discs is closest: a side of
-//! `4 R` is sufficient, whereas a rhombus twice as long as the window would have a side of `4 R 2/sqrt(3)`, with a third more points.
+//! On a hexagonal lattice, the periodic images of a rhombus of lattice cells form such a lattice as well, on which the packing of discs is
+//! closest: a side of `4 R` is sufficient, whereas a rhombus twice as long as the window would have a side of `4 R 2/sqrt(3)`, with a third
+//! more points.
 
 use super::window::Window;
 use crate::numerics::fft::smooth_size;
