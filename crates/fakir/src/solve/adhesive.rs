@@ -5,7 +5,9 @@ use super::bonded_floor_errors::{Figures, PLAIN, PLAIN_FLOOR, PLAIN_VARIATIONS, 
 use super::estimate::unknowns_only;
 use super::floor::FloorPoint;
 use super::mixed::patches;
-use super::path::{AttachedTop, End, FixedQuantity, LoadStep, PLAIN_STEP, Path, Stop, TopEvent};
+use super::path::{
+    AttachedTop, End, FixedQuantity, LONG_STEP, LoadStep, PLAIN_STEP, Path, Stop, TopEvent,
+};
 use super::rules::fronts::{Course, Fronts, Works};
 use super::spectral::degrees;
 use super::touched::nearest_first;
@@ -168,9 +170,10 @@ impl Route {
         let varied = |variation, follow| {
             let mut loading = Loading::new(system, scene, accuracy, self.drive, run)?;
             loading.path.variation = variation;
-            if !self.jumps && loading.path.floor_works.is_none() {
+            if !self.jumps {
+                let step = loading.path.floor_works.map_or(PLAIN_STEP, |_| LONG_STEP);
                 // Shorter on larger cells, so that their difference contains that of the steps.
-                loading.path.floor_step = PLAIN_STEP / variation.cells;
+                loading.path.floor_step = step / variation.cells;
             }
             loading.path.followed_by(follow);
             let mut loaded = loading.until(self.end, self.jumps)?;

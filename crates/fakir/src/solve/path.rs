@@ -80,8 +80,14 @@ const MOST_CORRECTIONS: usize = 12;
 /// Step while the floor adheres, in pillar heights: after each step all unstable places change, on tops and floor.
 const BONDED_STEP: f64 = 0.04;
 
-/// The same for a contact under a load on a floor without adhesion, whose pressures do not depend on those before.
+/// The same for a contact under a load, whose states before are not part of the answer: on an adhesive floor, where fronts do not recede after a
+/// step that was too long, and on a floor without adhesion, whose pressures do not depend on those before.
+pub(super) const LONG_STEP: f64 = 0.25;
 pub(super) const PLAIN_STEP: f64 = 0.5;
+
+/// Longest step on an adhesive floor relative to the distance to the end, as long as that is longer than [`BONDED_STEP`]: fronts that stay before a
+/// barrier after a long step pass it after short ones.
+const PART_OF_WAY: f64 = 0.5;
 
 /// Radius of the adhering region, in pillar spacings, below which unloading steps are shorter, because the floor detaches there.
 const NEAR_LOSS: f64 = 2.5;
@@ -382,6 +388,10 @@ impl<'a> Path<'a> {
     ) -> Result<bool, SolveError> {
         let sign = course.sign();
         let to_end = self.distance(sign, end);
+        let longest = match self.floor_works {
+            Some(_) => longest.min((PART_OF_WAY * to_end).max(BONDED_STEP * self.scene.height)),
+            None => longest,
+        };
         self.spread = sign * longest.min(to_end);
         let stations = self.stations.len();
         self.advance(self.spread);

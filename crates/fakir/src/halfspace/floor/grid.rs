@@ -126,6 +126,11 @@ impl Mirrors {
         self.unfold(&means, of_cells);
     }
 
+    /// The cells that represent their mirror images.
+    pub(crate) fn representatives(&self) -> impl Iterator<Item = usize> {
+        self.own.iter().map(|cell| *cell as usize)
+    }
+
     /// Copies the values of the representative cells to all their mirror images.
     pub(crate) fn mirror<T: Copy>(&self, of_cells: &mut [T]) {
         let own: Vec<T> = self

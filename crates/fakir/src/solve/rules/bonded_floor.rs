@@ -77,7 +77,8 @@ impl BondedFloor<'_> {
     pub(crate) fn radius(&self) -> f64 {
         let cells = self.cells.grid.cells.centres().zip(self.cells.loaded());
         let bonded = cells.filter(|(_, bonded)| **bonded);
-        bonded.map(|([x, y], _)| x.hypot(y)).fold(0.0, f64::max)
+        let squared = bonded.map(|([x, y], _)| x * x + y * y);
+        squared.fold(0.0, f64::max).sqrt()
     }
 }
 

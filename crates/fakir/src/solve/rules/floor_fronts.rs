@@ -657,10 +657,15 @@ impl FloorFronts {
             FloorMove::TakeBack => TAKE_BACK * works.receding,
         };
         let is_bonded = |cell: &u32| *cell != NONE && bonded[*cell as usize];
-        for (cell, state) in bonded.iter().enumerate() {
-            let smooth = self.smooth[self.places[cell] as usize];
+        // Mirror images move with the cells that represent them.
+        let cells: Vec<usize> = match &self.mirrors {
+            Some(mirrors) => mirrors.representatives().collect(),
+            None => (0..bonded.len()).collect(),
+        };
+        for cell in cells {
+            let (state, smooth) = (bonded[cell], self.smooth[self.places[cell] as usize]);
             if which == FloorMove::Advance {
-                if *state || self.banned[cell] {
+                if state || self.banned[cell] {
                     continue;
                 }
                 let touched = self.gaps[cell] < -entered;
@@ -684,7 +689,7 @@ impl FloorFronts {
                 if advances {
                     moves.push(cell);
                 }
-            } else if *state
+            } else if state
                 && smooth < high
                 && !self.neighbours(cell).iter().all(is_bonded)
                 && let Some([k, factor]) = self.corrected(cell, which).or(self.alone(cell))
