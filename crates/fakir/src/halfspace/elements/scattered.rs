@@ -311,7 +311,14 @@ impl Pattern {
     fn new(cells: &Cells, compliance: f64, layers: &[WeightedLayer]) -> Self {
         let (places, vectors) = (vec![(0, 0)], [[0.0; 2]; 2]);
         Self {
-            alone: LatticeOfGrids::on_layers(cells, places, vectors, compliance, layers, None),
+            alone: LatticeOfGrids::on_columns(
+                cells,
+                places,
+                vectors,
+                [compliance, 0.0],
+                layers,
+                None,
+            ),
             potential: CellPotential::new(cells.grid().cell(), layers),
         }
     }

@@ -40,14 +40,14 @@ const COARSEST_CELLS: usize = 4;
 /// Smallest number of cells across a pillar that is accepted: one refinement of the coarsest level.
 pub(crate) const FEWEST_CELLS: usize = 2 * COARSEST_CELLS;
 
-/// Tolerance of the floor gap at the critical state, as a fraction of the pillar height.
-const FLOOR_TOLERANCE: f64 = 1e-8;
-
 /// Largest number of solutions per level in the search for the critical indentation.
 const SEARCH_LIMIT: usize = 60;
 
-/// Relative energy error of every solution; the force has about the same relative error.
-const TOLERANCE: f64 = 1e-9;
+/// Relative energy error of every solution, and of the floor gap at the critical state, in pillar heights. The force has about the same relative
+/// error, which is less than a hundredth of the discretisation error: halving the cells reduces that by a factor of about 2.6, and this by 4.
+fn tolerance(mesh: ElementMesh) -> f64 {
+    1e-4 / (mesh.cells_per_diameter as f64).powi(2)
+}
 
 /// Elements on the pillars within a radius, and the contact on them.
 pub(crate) struct Level<'a> {
@@ -62,6 +62,7 @@ pub(crate) struct Level<'a> {
     solved_at: Option<f64>,
     before: Option<(f64, Vec<f64>)>,
     floor: FloorSearch,
+    tolerance: f64,
     products: usize,
 }
 
@@ -74,8 +75,6 @@ struct Elements {
     size: f64,
     /// Half the side of such a grid.
     half_width: f64,
-    /// Element index by pillar, column and row.
-    lookup: HashMap<(u32, i64, i64), usize>,
     layout: MeshLayout,
     /// Contribution of layers to the displacement around the force on a cell, averaged over that cell: for every different scale of the
     /// cells. Empty on half-spaces.
@@ -96,7 +95,6 @@ impl Elements {
             centres: cells.iter().map(|(centre, _)| *centre).collect(),
             pillars: cells.iter().map(|(_, pillar)| *pillar).collect(),
             size,
-            lookup: HashMap::with_capacity(cells.len()),
             layout: mesh.layout,
             around: Vec::new(),
             scales: Vec::new(),
@@ -104,11 +102,14 @@ impl Elements {
         elements.scales = different((0..sites.len()).map(|pillar| elements.scale(sites, pillar)));
         let around = |scale: &f64| AroundForce::on_cell(layers, [scale * size; 2]);
         elements.around = elements.scales.iter().filter_map(around).collect();
-        for (element, (centre, pillar)) in cells.iter().enumerate() {
-            let key = elements.key(sites, *pillar, *centre);
-            elements.lookup.insert(key, element);
-        }
         elements
+    }
+
+    /// Index of every element by pillar, column and row.
+    fn lookup(&self, sites: &Sites) -> HashMap<(u32, i64, i64), usize> {
+        let places = self.pillars.iter().zip(&self.centres);
+        let keys = places.map(|(pillar, centre)| self.key(sites, *pillar, *centre));
+        keys.zip(0..).collect()
     }
 
     /// Columns and rows count from the corner of the pillar's grid, or from the lens axis.
@@ -216,6 +217,7 @@ impl<'a> Level<'a> {
             elements,
             separation,
             floor: FloorSearch::default(),
+            tolerance: tolerance(mesh),
             products: 0,
         })
     }
@@ -226,6 +228,7 @@ impl<'a> Level<'a> {
         let known: Vec<Option<usize>> = (0..next.sites.len())
             .map(|pillar| self.sites.find(next.sites.index(pillar)))
             .collect();
+        let lookup = self.elements.lookup(&self.sites);
         for element in 0..next.elements.len() {
             let Some(pillar) = known[next.elements.pillars[element] as usize] else {
                 continue;
@@ -233,7 +236,7 @@ impl<'a> Level<'a> {
             let key = self
                 .elements
                 .key(&self.sites, pillar as u32, next.elements.centres[element]);
-            if let Some(parent) = self.elements.lookup.get(&key) {
+            if let Some(parent) = lookup.get(&key) {
                 next.start[element] = self.start[*parent];
             }
         }
@@ -245,7 +248,7 @@ impl<'a> Level<'a> {
     fn press(&mut self, load: Prescribed) -> Result<ElementContact, SolveError> {
         self.run.check_cancelled()?;
         let settings = Settings {
-            tolerance: TOLERANCE,
+            tolerance: self.tolerance,
             ..Settings::default()
         };
         let area = self.elements.size * self.elements.size;
@@ -439,6 +442,9 @@ fn on_pillars<'a>(
     let grids: Vec<PlacedGrid> = (0..sites.len())
         .map(|pillar| (sites.centres()[pillar], sites.body(pillar).radius))
         .collect();
+    let columns: Vec<f64> = (0..sites.len())
+        .map(|pillar| column_compliance(sites, pillar) * size * size)
+        .collect();
     let operator: Box<dyn Operator + 'a> =
         if let Some(Counted { places, vectors }) = sites.on_lattice(&scene.field) {
             let extent =
@@ -446,14 +452,20 @@ fn on_pillars<'a>(
             let shape = (extent(|place| place.0), extent(|place| place.1));
             let bytes = LatticeOfGrids::memory_estimate(across, sites.len(), shape) + own_bytes;
             check_memory(sites.len(), bytes, run)?;
-            // All pillars are equal. The unknowns are pressures times the square of this radius.
+            // All tops are equal. The unknowns are pressures times the square of this radius.
             let radius = sites.common_body().radius;
             let cells = disc_cells(across, mesh.matched, radius);
-            let compliance = (radius * radius).recip();
+            let column = columns.iter().sum::<f64>() / columns.len() as f64;
+            let compliances = [(radius * radius).recip(), column];
             let pool = run.pool;
             let layers = &scene.layers;
-            Box::new(LatticeOfGrids::on_layers(
-                &cells, places, vectors, compliance, layers, pool,
+            Box::new(LatticeOfGrids::on_columns(
+                &cells,
+                places,
+                vectors,
+                compliances,
+                layers,
+                pool,
             ))
         } else {
             check_memory(sites.len(), own_bytes, run)?;
@@ -478,9 +490,6 @@ fn on_pillars<'a>(
         })
         .collect();
     let elements = Elements::new(mesh, size, sites, &placed, &scene.layers);
-    let columns = (0..sites.len())
-        .map(|pillar| column_compliance(sites, pillar) * size * size)
-        .collect();
     let operator = Columns::new(operator, elements.pillars.clone(), columns);
     Ok((Box::new(operator), elements))
 }
@@ -638,7 +647,7 @@ impl ElementSolution<'_> {
     /// another by chance, earlier differences are included, halved for every level since; for unmatched cells, the error of a flat punch on
     /// the same cells is included too. The result is multiplied by three: it then covers the difference from the spectral method on all but
     /// two of a thousand random systems and loads. A single difference may be small by chance and is multiplied by six. The error is never
-    /// smaller than the tolerance of the floor gap.
+    /// smaller than the tolerance of solutions and of the floor gap.
     ///
     /// The lens is known to touch a pillar. If it touches no cell of that pillar, because the contact is between the centres of cells, the
     /// error is unknown.
@@ -657,7 +666,7 @@ impl ElementSolution<'_> {
                 .fold(0.0, |error, difference| larger(difference, 0.5 * error));
             larger(
                 safety * larger(difference, self.punch_error),
-                FLOOR_TOLERANCE,
+                self.level.tolerance,
             )
         });
         [force, indentation]
@@ -848,7 +857,7 @@ impl Level<'_> {
         &mut self,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
-        let tolerance = FLOOR_TOLERANCE * self.scene.height;
+        let tolerance = self.tolerance * self.scene.height;
         let mut closing = Closing::new(search.indentation, 0.0, search.slope);
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
