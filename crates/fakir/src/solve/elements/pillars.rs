@@ -40,14 +40,14 @@ const COARSEST_CELLS: usize = 4;
 /// Smallest number of cells across a pillar that is accepted: one refinement of the coarsest level.
 pub(crate) const FEWEST_CELLS: usize = 2 * COARSEST_CELLS;
 
+/// Tolerance of the floor gap at the critical state, as a fraction of the pillar height.
+const FLOOR_TOLERANCE: f64 = 1e-8;
+
 /// Largest number of solutions per level in the search for the critical indentation.
 const SEARCH_LIMIT: usize = 60;
 
-/// Relative energy error of every solution, and of the floor gap at the critical state, in pillar heights. The force has about the same relative
-/// error, which is less than a hundredth of the discretisation error: halving the cells reduces that by a factor of about 2.6, and this by 4.
-fn tolerance(mesh: ElementMesh) -> f64 {
-    1e-4 / (mesh.cells_per_diameter as f64).powi(2)
-}
+/// Relative energy error of every solution; the force has about the same relative error.
+const TOLERANCE: f64 = 1e-8;
 
 /// Elements on the pillars within a radius, and the contact on them.
 pub(crate) struct Level<'a> {
@@ -62,7 +62,6 @@ pub(crate) struct Level<'a> {
     solved_at: Option<f64>,
     before: Option<(f64, Vec<f64>)>,
     floor: FloorSearch,
-    tolerance: f64,
     products: usize,
 }
 
@@ -217,7 +216,6 @@ impl<'a> Level<'a> {
             elements,
             separation,
             floor: FloorSearch::default(),
-            tolerance: tolerance(mesh),
             products: 0,
         })
     }
@@ -248,7 +246,7 @@ impl<'a> Level<'a> {
     fn press(&mut self, load: Prescribed) -> Result<ElementContact, SolveError> {
         self.run.check_cancelled()?;
         let settings = Settings {
-            tolerance: self.tolerance,
+            tolerance: TOLERANCE,
             ..Settings::default()
         };
         let area = self.elements.size * self.elements.size;
@@ -647,7 +645,7 @@ impl ElementSolution<'_> {
     /// another by chance, earlier differences are included, halved for every level since; for unmatched cells, the error of a flat punch on
     /// the same cells is included too. The result is multiplied by three: it then covers the difference from the spectral method on all but
     /// two of a thousand random systems and loads. A single difference may be small by chance and is multiplied by six. The error is never
-    /// smaller than the tolerance of solutions and of the floor gap.
+    /// smaller than the tolerances of solutions and of the floor gap.
     ///
     /// The lens is known to touch a pillar. If it touches no cell of that pillar, because the contact is between the centres of cells, the
     /// error is unknown.
@@ -666,7 +664,7 @@ impl ElementSolution<'_> {
                 .fold(0.0, |error, difference| larger(difference, 0.5 * error));
             larger(
                 safety * larger(difference, self.punch_error),
-                self.level.tolerance,
+                FLOOR_TOLERANCE,
             )
         });
         [force, indentation]
@@ -857,7 +855,7 @@ impl Level<'_> {
         &mut self,
         search: &mut Search,
     ) -> Result<(ElementContact, Option<FloorPoint>), SolveError> {
-        let tolerance = self.tolerance * self.scene.height;
+        let tolerance = FLOOR_TOLERANCE * self.scene.height;
         let mut closing = Closing::new(search.indentation, 0.0, search.slope);
         for _ in 0..SEARCH_LIMIT {
             let indentation = closing.indentation();
