@@ -71,7 +71,7 @@ class AdhesiveFloor:
     coarse: bool
     """Whether the cells are so coarse that only orders of magnitude are meaningful."""
     errors: dict[str, float]
-    """Estimated relative errors of ``turn_force``, ``turn_share`` and ``turn_contact_area`` at the end of loading, and of
+    """Estimated relative errors of ``turn_force``, ``turn_indentation``, ``turn_share`` and ``turn_contact_area`` at the end of loading, and of
     ``jump_force``, ``jump_contact_area`` and ``lost_indentation``, from two more cycles on larger cells."""
     stations: list[dict[str, Any]]
     """The load steps with floor contact: the rows of ``floor.csv``."""

@@ -171,6 +171,7 @@ struct FloorObject {
 struct FloorErrorsObject {
     /// At the end of loading.
     turn_force: f64,
+    turn_indentation: f64,
     turn_share: f64,
     turn_contact_area: f64,
     jump_force: f64,
@@ -196,6 +197,7 @@ impl FloorObject {
             coarse: resolution.is_coarse(),
             relative_error_estimate: FloorErrorsObject {
                 turn_force: errors.turn_force,
+                turn_indentation: errors.turn_indentation,
                 turn_share: errors.turn_share,
                 turn_contact_area: errors.turn_area,
                 jump_force: errors.jump_force,
@@ -296,6 +298,7 @@ mod tests {
                 cells_along_patch: Some(5.0),
                 errors: AdhesiveFloorErrors {
                     turn_force: 0.01,
+                    turn_indentation: 0.0,
                     turn_share: 0.01,
                     turn_area: 0.01,
                     jump_force: 0.01,

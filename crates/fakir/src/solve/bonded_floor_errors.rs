@@ -60,8 +60,8 @@ const LOOP_AREA: f64 = 2.0;
 /// Results of a path, in any units; `None` for events that did not occur.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Figures {
-    /// At the end of loading: force, floor share, and contact area of the floor.
-    pub(super) turn: [Option<f64>; 3],
+    /// At the end of loading: force, indentation, floor share, and contact area of the floor.
+    pub(super) turn: [Option<f64>; 4],
     /// After jump-in to the floor: force and area.
     pub(super) jump: [Option<f64>; 2],
     /// The last indentation with floor contact, and the next one.
@@ -86,8 +86,9 @@ impl Figures {
             .map_or(0.0, |[last, after]| relative(last - after, last));
         AdhesiveFloorErrors {
             turn_force: error(&|it| it.turn[0]),
-            turn_share: error(&|it| it.turn[1]),
-            turn_area: error(&|it| it.turn[2]),
+            turn_indentation: error(&|it| it.turn[1]),
+            turn_share: error(&|it| it.turn[2]),
+            turn_area: error(&|it| it.turn[3]),
             jump_force: error(&|it| it.jump[0]),
             jump_area: error(&|it| it.jump[1]),
             lost_indentation: between
@@ -103,6 +104,7 @@ impl AdhesiveFloorErrors {
     pub(super) fn times(self, factor: f64) -> Self {
         Self {
             turn_force: factor * self.turn_force,
+            turn_indentation: factor * self.turn_indentation,
             turn_share: factor * self.turn_share,
             turn_area: factor * self.turn_area,
             jump_force: factor * self.jump_force,
@@ -127,14 +129,14 @@ mod tests {
     #[test]
     fn errors_are_the_largest_differences() {
         let own = Figures {
-            turn: [Some(2.0), Some(-0.5), Some(8.0)],
+            turn: [Some(2.0), Some(1.0), Some(-0.5), Some(8.0)],
             jump: [Some(1.0), Some(4.0)],
             lost: Some([1.0, 0.9]),
             pull_off: None,
             loop_area: Some(3.0),
         };
         let less = Figures {
-            turn: [Some(2.2), Some(-0.4), Some(8.0)],
+            turn: [Some(2.2), Some(1.3), Some(-0.4), Some(8.0)],
             lost: Some([1.2, 1.1]),
             pull_off: Some(1.0),
             loop_area: None,
@@ -143,6 +145,7 @@ mod tests {
         let errors = own.errors(&[own, less]);
         let expected = AdhesiveFloorErrors {
             turn_force: 0.1,
+            turn_indentation: 0.3,
             turn_share: 0.2,
             turn_area: 0.0,
             jump_force: 0.0,

@@ -74,7 +74,7 @@ const LONGEST_RELATIVE_STEP: f64 = 0.01;
 const GAP_STEP: f64 = 0.02;
 
 /// Relative difference from a prescribed force that is left, and largest number of corrections until then.
-const SAME_FORCE: f64 = 1e-6;
+pub(super) const SAME_FORCE: f64 = 1e-6;
 const MOST_CORRECTIONS: usize = 12;
 
 /// Step while the floor adheres, in pillar heights: after each step all unstable places change, on tops and floor.

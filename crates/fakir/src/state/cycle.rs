@@ -87,8 +87,10 @@ pub struct FloorResolution {
 /// 1 (unknown) for results that are not found in both cycles, and for all results on [coarse](FloorResolution::is_coarse) cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdhesiveFloorErrors {
-    /// Error of the force at the end of loading.
+    /// Error of the force at the end of loading; 0 if it is prescribed.
     pub turn_force: f64,
+    /// Error of the indentation at the end of loading; 0 if it is prescribed.
+    pub turn_indentation: f64,
     /// Error of the fraction of this force carried by the floor.
     pub turn_share: f64,
     /// Error of the area of the floor in contact at the end of loading.
@@ -109,6 +111,7 @@ impl AdhesiveFloorErrors {
     /// Only orders of magnitude are known.
     pub(crate) const UNKNOWN: Self = Self {
         turn_force: 1.0,
+        turn_indentation: 1.0,
         turn_share: 1.0,
         turn_area: 1.0,
         jump_force: 1.0,
@@ -119,9 +122,10 @@ impl AdhesiveFloorErrors {
     };
 
     #[cfg(test)]
-    pub(crate) fn all(&self) -> [f64; 8] {
+    pub(crate) fn all(&self) -> [f64; 9] {
         [
             self.turn_force,
+            self.turn_indentation,
             self.turn_share,
             self.turn_area,
             self.jump_force,
@@ -412,6 +416,7 @@ impl Cycle {
         let of_floor = self.available_floor_errors().into_iter().flat_map(|it| {
             [
                 ("force at the end of loading", it.turn_force),
+                ("indentation at the end of loading", it.turn_indentation),
                 (
                     "force on the floor at the end of loading",
                     share.min(1.0) * it.turn_share,

@@ -1089,8 +1089,8 @@ fn force_and_indentation_belong_together_beside_a_floor_that_does_not_stick() {
     );
 }
 
-/// A contact under a load is reached in steps of up to a quarter of a pillar height, a loading in steps of a 25th: where the front on the floor rests is
-/// the same to less than the error of either.
+/// A contact under a load is reached in steps of up to a quarter of a pillar height, a loading in steps of a 25th: where the front on the
+/// floor rests is the same to less than the error of either.
 #[test]
 #[ignore = "slow: loadings with an adhesive floor"]
 fn long_steps_on_an_adhesive_floor_end_where_short_ones_do() {
@@ -1105,18 +1105,18 @@ fn long_steps_on_an_adhesive_floor_end_where_short_ones_do() {
     let short = cycle(&system, plan).turn;
     let press = |load| fakir::press(&system, load, Method::default(), &Run::default()).unwrap();
     let by_indentation = press(Load::Indentation(indentation));
-    let error = by_indentation.error.force;
     for long in [by_indentation, press(Load::Force(short.force))] {
         let [one, other] = [&long, &short].map(|state| state.floor.as_ref().unwrap());
         for (one, other, error) in [
-            (long.indentation, short.indentation, error),
-            (long.force, short.force, error),
+            (long.indentation, short.indentation, long.error.indentation),
+            (long.force, short.force, long.error.force),
             (one.share, other.share, one.error.share),
             (one.area, other.area, one.error.area),
         ] {
             let difference = (one / other - 1.0).abs();
             println!("{one:e} {other:e}: {difference:.1e}, error {error:.1e}");
-            assert!(difference < error && error < 0.1);
+            // A prescribed load without an error is met to 1e-6.
+            assert!(difference <= error.max(1e-6) && error < 0.1);
         }
     }
 }
