@@ -18,6 +18,9 @@ use std::process::{Command, Stdio};
 /// and far below the effect of a wrong formula.
 const TOLERANCE: f64 = 1e-6;
 
+/// Length in m below which coordinates of points on an axis are rounding errors.
+const ROUNDED_LENGTH: f64 = 1e-18;
+
 /// Largest relative tolerance. Larger estimates occur for coarse models and meshes, which do not depend on the order of summation.
 const LARGEST_TOLERANCE: f64 = 1e-2;
 
@@ -261,7 +264,13 @@ impl Place<'_> {
             }
             _ => (0.0, 0.0),
         };
-        (relative.min(LARGEST_TOLERANCE) * scale).max(TOLERANCE * self.largest)
+        let absolute = if self.path.ends_with("_m") {
+            ROUNDED_LENGTH
+        } else {
+            0.0
+        };
+        let relative = relative.min(LARGEST_TOLERANCE) * scale;
+        relative.max(TOLERANCE * self.largest).max(absolute)
     }
 }
 

@@ -474,7 +474,8 @@ fn profiles_of_a_sphere_are_the_sphere() {
     });
     println!("{away:?}");
     assert!(away[0] < 1e-3 && away[2] < 1e-6, "{away:?}");
-    assert!(away[0] / away[2] > 60.0, "{away:?}");
+    // 16 for half the spacing; four rows are too few for this.
+    assert!((12.0..20.0).contains(&(away[1] / away[2])), "{away:?}");
 }
 
 /// On the hexagonal lattice, with the floor.
