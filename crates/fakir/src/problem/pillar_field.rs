@@ -533,7 +533,10 @@ impl PillarField {
             Self::Hexagonal { lattice, .. } => {
                 Some([(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)))
             }
-            Self::Lattice(lattice) => (lattice.body.radius == 1.0).then_some(lattice.vectors),
+            Self::Lattice(lattice) => {
+                let is_unit = (lattice.body.radius - 1.0).abs() < f64::EPSILON;
+                is_unit.then_some(lattice.vectors)
+            }
             Self::Listed(_) => None,
         }
     }

@@ -60,9 +60,9 @@ impl Sites {
                 .iter()
                 .map(|(index, pillar)| (*index, pillar.centre))
         };
-        let window = field
-            .vectors_of_unit_tops()
-            .and_then(|vectors| Window::without_gaps(vectors, places().collect(), radius));
+        let window = field.vectors_of_unit_tops().and_then(|vectors| {
+            Window::without_gaps(vectors, &places().collect::<Vec<_>>(), radius)
+        });
         Self {
             places: match window {
                 Some(window) => Places::Window {

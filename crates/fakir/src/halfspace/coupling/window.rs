@@ -40,14 +40,14 @@ impl Window {
             indexed.push((nearest, lattice.centre(nearest.0, nearest.1)));
         }
         let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
-        Self::of_pillars(vectors, indexed, radius)
+        Self::of_pillars(vectors, &indexed, radius)
     }
 
     /// The pillars of a lattice with these vectors, by increasing index, which are not empty; `None` if positions between the pillars of a
     /// row are vacant.
     pub(crate) fn without_gaps(
         vectors: [Point; 2],
-        indexed: Vec<((i64, i64), Point)>,
+        indexed: &[((i64, i64), Point)],
         radius: f64,
     ) -> Option<Self> {
         let neighbours = indexed.windows(2);
@@ -59,7 +59,7 @@ impl Window {
     }
 
     /// Pillars by increasing index, without gaps in any row.
-    fn of_pillars(vectors: [Point; 2], indexed: Vec<((i64, i64), Point)>, radius: f64) -> Self {
+    fn of_pillars(vectors: [Point; 2], indexed: &[((i64, i64), Point)], radius: f64) -> Self {
         let bounds = |pick: fn(&(i64, i64)) -> i64| {
             indexed
                 .iter()
