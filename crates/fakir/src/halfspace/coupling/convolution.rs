@@ -884,8 +884,8 @@ impl RowWork {
                 continue;
             }
             let [x, y] = differences.vector(row as i64, column);
-            let distance = x.hypot(y);
-            let direction = [x / distance, y / distance];
+            let inverse = (x * x + y * y).sqrt().recip();
+            let direction = [x * inverse, y * inverse];
             let radial = &radial[differences.number(row, column) * parts..][..parts];
             pair.upper_block(radial, direction, &mut self.block);
             self.place_block(column.rem_euclid(columns as i64) as usize);

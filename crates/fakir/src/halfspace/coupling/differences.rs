@@ -99,8 +99,11 @@ impl Differences {
                 if distances.len() <= number {
                     distances.resize(number + 1, 0.0);
                 }
-                let [x, y] = self.vector(rows as i64, column);
-                distances[number] = x.hypot(y);
+                // On a hexagonal lattice the first of twelve.
+                if distances[number] <= 0.0 {
+                    let [x, y] = self.vector(rows as i64, column);
+                    distances[number] = (x * x + y * y).sqrt();
+                }
             }
         }
         distances
