@@ -301,7 +301,8 @@ fn kernels(
     let (_, columns) = layout.padded;
     let (entries, half) = (layout.entries, layout.half);
     let least = layout.least();
-    let radial = radial_parts(pair, &differences.distances(), workers);
+    let distances = differences.distances();
+    let radial = radial_parts(pair, &distances, workers);
     let mut kernel = Aligned::new(layout.strips() * layout.kernel_strip());
     // The transformed rows of the lattice take as much memory as the kernels: large lattices are processed in groups of columns.
     let of_strip = size_of::<Complex64>() * layout.shape.0 * entries * COLUMNS;
@@ -325,7 +326,7 @@ fn kernels(
             if workers.cancel.is_cancelled() {
                 return;
             }
-            work.fill_row(pair, &radial, (row, differences), columns);
+            work.fill_row(pair, (&distances, &radial), (row, differences), columns);
             let RowWork {
                 pairs,
                 spare,
@@ -859,11 +860,11 @@ struct RowWork {
 }
 
 impl RowWork {
-    /// Computes the kernels between pillars that are this many rows and columns apart.
+    /// Computes the kernels between pillars that are this many rows and columns apart, from all distances and the radial parts at these.
     fn fill_row(
         &mut self,
         pair: &PairCoupling,
-        radial: &[f64],
+        (distances, radial): (&[f64], &[f64]),
         (row, differences): (usize, &Differences),
         columns: usize,
     ) {
@@ -884,9 +885,10 @@ impl RowWork {
                 continue;
             }
             let [x, y] = differences.vector(row as i64, column);
-            let inverse = (x * x + y * y).sqrt().recip();
+            let number = differences.number(row, column);
+            let inverse = distances[number].recip();
             let direction = [x * inverse, y * inverse];
-            let radial = &radial[differences.number(row, column) * parts..][..parts];
+            let radial = &radial[number * parts..][..parts];
             pair.upper_block(radial, direction, &mut self.block);
             self.place_block(column.rem_euclid(columns as i64) as usize);
         }

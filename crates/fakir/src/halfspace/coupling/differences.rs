@@ -102,7 +102,7 @@ impl Differences {
                 // On a hexagonal lattice the first of twelve.
                 if distances[number] <= 0.0 {
                     let [x, y] = self.vector(rows as i64, column);
-                    distances[number] = (x * x + y * y).sqrt();
+                    distances[number] = x.hypot(y);
                 }
             }
         }
