@@ -307,7 +307,8 @@ pub(super) fn certificate_words(certificate: f64) -> String {
     if certificate < 1e-9 {
         "< 1e-9".to_owned()
     } else {
-        format!("{certificate:.1e}")
+        // Only its magnitude matters: a second digit depends on rounding.
+        format!("{certificate:.0e}")
     }
 }
 
