@@ -302,14 +302,10 @@ fn floor_contact(list: &mut QuantityList, cycle: &Cycle) {
     };
 }
 
-/// Values below any significant error are rounding errors, and differ between machines.
+/// Only the magnitude: digits depend on rounding, and values below any significant error differ between machines.
 pub(super) fn certificate_words(certificate: f64) -> String {
-    if certificate < 1e-9 {
-        "< 1e-9".to_owned()
-    } else {
-        // Only its magnitude matters: a second digit depends on rounding.
-        format!("{certificate:.0e}")
-    }
+    let power = certificate.max(2e-10).log10().floor() + 1.0;
+    format!("< 1e{power}")
 }
 
 /// Significant digits for the numerical error.
