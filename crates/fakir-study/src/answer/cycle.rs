@@ -304,7 +304,10 @@ fn floor_contact(list: &mut QuantityList, cycle: &Cycle) {
 
 /// Only the magnitude: digits depend on rounding, and values below any significant error differ between machines.
 pub(super) fn certificate_words(certificate: f64) -> String {
-    let power = certificate.max(2e-10).log10().floor() + 1.0;
+    if certificate < 1e-9 {
+        return "< 1e-9".to_owned();
+    }
+    let power = certificate.log10().floor() + 1.0;
     format!("< 1e{power}")
 }
 
