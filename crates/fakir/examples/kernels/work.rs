@@ -47,7 +47,7 @@ fn coefficients(count: usize) -> Vec<f64> {
 /// Sets up the coupling of two thousand pillars.
 fn coupling() -> f64 {
     let window = Window::new(&lattice(), 100.0);
-    let pair = PairCoupling::new(DEGREE, lattice().pitch);
+    let pair = PairCoupling::new(DEGREE);
     let run = Run::default();
     let coupling = LatticeCoupling::new(&window, &pair, run.workers());
     drop(coupling);
@@ -62,7 +62,7 @@ fn products() -> f64 {
 fn hundred_products(product: impl Fn(&mut LatticeCoupling<'_>, &[f64], &mut [f64])) -> f64 {
     let window = Window::new(&lattice(), 100.0);
     let run = Run::default();
-    let pair = PairCoupling::new(DEGREE, lattice().pitch);
+    let pair = PairCoupling::new(DEGREE);
     let mut coupling = LatticeCoupling::new(&window, &pair, run.workers());
     let mut c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];
@@ -280,7 +280,7 @@ fn product_limits(pillars: f64) -> [Limit; 2] {
     let radius = (pillars * lattice().cell_area() / std::f64::consts::PI).sqrt();
     let window = Window::new(&lattice(), radius);
     let run = Run::default();
-    let pair = PairCoupling::new(DEGREE, lattice().pitch);
+    let pair = PairCoupling::new(DEGREE);
     let mut coupling = LatticeConvolution::new(&window, &pair, run.workers());
     let c = coefficients(window.len() * mode_count(DEGREE));
     let mut far = vec![0.0; c.len()];

@@ -70,6 +70,11 @@ impl HexagonalLattice {
         ]
     }
 
+    /// The vectors to the next pillar along the first index, and along the second, m.
+    pub(crate) fn vectors(&self) -> [Point; 2] {
+        [(1, 0), (0, 1)].map(|(i, j)| self.lattice_vector(i, j))
+    }
+
     /// Indices of the pillar whose centre is nearest to `point` (m from the lens axis). If several are equally near, one of these.
     #[must_use]
     pub fn nearest_pillar(&self, point: Point) -> (i64, i64) {

@@ -349,7 +349,6 @@ mod tests {
         LensProfile::new(radii.to_vec(), heights).unwrap()
     }
 
-    /// `r^2 + r^3/5` is a cubic with zero slope on the axis: the spline reproduces it for any rows.
     /// Expected: the radius of a sphere itself, in a table up to half its radius; none for a paraboloid; 0 for a cone with a round tip, whose
     /// flank is straight.
     #[test]
@@ -368,6 +367,7 @@ mod tests {
         assert!(of(cone, &radii).quadratic_radius() < 1e-3);
     }
 
+    /// `r^2 + r^3/5` is a cubic with zero slope on the axis: the spline reproduces it for any rows.
     #[test]
     fn cubics_are_met_at_every_place() {
         let cubic = |r: f64| r * r + 0.2 * r.powi(3);

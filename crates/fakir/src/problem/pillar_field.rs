@@ -515,10 +515,7 @@ impl PillarField {
     /// The vectors of an infinite lattice of equal pillars, and the position of pillar (0, 0).
     pub(super) fn infinite_lattice(&self) -> Option<([Point; 2], Point)> {
         match self {
-            Self::Hexagonal { lattice, .. } => {
-                let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
-                Some((vectors, lattice.centre(0, 0)))
-            }
+            Self::Hexagonal { lattice, .. } => Some((lattice.vectors(), lattice.centre(0, 0))),
             Self::Lattice(lattice) => {
                 let alike = lattice.scatter.is_none() && lattice.ends.is_none();
                 alike.then_some((lattice.vectors, lattice.origin))
@@ -530,9 +527,7 @@ impl PillarField {
     /// The vectors that define the indices of a lattice of tops of unit radius, of any heights and not necessarily infinite.
     pub(crate) fn vectors_of_unit_tops(&self) -> Option<[Point; 2]> {
         match self {
-            Self::Hexagonal { lattice, .. } => {
-                Some([(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j)))
-            }
+            Self::Hexagonal { lattice, .. } => Some(lattice.vectors()),
             Self::Lattice(lattice) => {
                 let is_unit = (lattice.body.radius - 1.0).abs() < f64::EPSILON;
                 is_unit.then_some(lattice.vectors)

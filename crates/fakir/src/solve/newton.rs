@@ -898,7 +898,7 @@ pub(crate) mod tests {
 
     fn newton<'a>(scene: &Scene, run: &'a Run<'a>) -> Newton<'a> {
         let pitch = scene.field.spacing();
-        let pair = PairCoupling::new(2, pitch);
+        let pair = PairCoupling::new(2);
         let sites = Sites::within(&scene.field, 3.0 * pitch);
         let resolution = Resolution {
             nodes: 8,

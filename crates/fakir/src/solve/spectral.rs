@@ -81,8 +81,8 @@ pub(crate) fn solve_punch<'a>(
     let mut radius = 1.05 * contact + 1.5 * pitch + 1.0;
     let mut entered = entered_at(scene, target);
     let pair = match form {
-        PunchForm::Plain => PairCoupling::of_flat_punches(pitch),
-        PunchForm::Corrected => PairCoupling::new(0, pitch),
+        PunchForm::Plain => PairCoupling::of_flat_punches(),
+        PunchForm::Corrected => PairCoupling::new(0),
     };
     let pair = pair.on_layers_of(scene);
     let mut steps = 0;
@@ -433,7 +433,7 @@ mod tests {
         run: &Run<'_>,
     ) -> (f64, usize) {
         let sites = Sites::within(&scene.field, f64::INFINITY);
-        let (pair, workers) = (PairCoupling::new(degree, 4.0), run.workers());
+        let (pair, workers) = (PairCoupling::new(degree), run.workers());
         let radius = |pillar: usize| sites.body(pillar).radius;
         let coupling = if on_grid {
             LatticeCoupling::Grid(Box::new(GridCoupling::new(&sites, &pair, workers).unwrap()))

@@ -9,6 +9,7 @@
 use super::window::Window;
 use crate::numerics::fft::smooth_size;
 use crate::problem::Point;
+use crate::problem::point::combined;
 use std::ops::RangeInclusive;
 
 /// The lattice vectors between pillars of a window.
@@ -77,8 +78,7 @@ impl Differences {
 
     /// The vector between pillars this many rows and columns apart.
     pub(crate) fn vector(&self, rows: i64, columns: i64) -> Point {
-        let [one, other] = self.vectors;
-        [0, 1].map(|k| one[k] * rows as f64 + other[k] * columns as f64)
+        combined(self.vectors, [rows as f64, columns as f64])
     }
 
     /// Index of the distance of pillars this many rows, from 0 on, and columns apart among all [distances](Self::distances).

@@ -169,7 +169,7 @@ mod tests {
                 offset_angle: 0.5,
             };
             let window = Window::new(&lattice, radius);
-            let half_spaces = PairCoupling::new(degree, lattice.pitch);
+            let half_spaces = PairCoupling::new(degree);
             let film = crate::halfspace::layer::tests::film();
             for pair in [half_spaces.with_layers(&[film]), half_spaces] {
                 let c = coefficients(window.len() * mode_count(degree));
@@ -224,7 +224,7 @@ mod tests {
             let field = PillarField::Lattice(Arc::new(lattice));
             let sites = Sites::within(&field, 25.0);
             assert!(sites.window().is_some() && sites.len() > DIRECT_LIMIT);
-            let pair = PairCoupling::new(2, 3.0);
+            let pair = PairCoupling::new(2);
             let c = coefficients(sites.len() * mode_count(2));
             let [mut direct, mut found] = [(); 2].map(|()| vec![0.0; c.len()]);
             DirectCoupling::new(sites.centres(), |_| 1.0, &pair, workers).apply(
@@ -251,7 +251,7 @@ mod tests {
         };
         for (degree, radius) in [(0, 20.0), (2, 20.0), (2, 90.0), (3, 31.0)] {
             let window = Window::new(&lattice, radius);
-            let pair = PairCoupling::new(degree, lattice.pitch);
+            let pair = PairCoupling::new(degree);
             let mut coupling = LatticeCoupling::new(&window, &pair, workers);
             for size in [1.0, 1e-60, 1e60] {
                 let mut c = coefficients(window.len() * mode_count(degree));
@@ -278,7 +278,7 @@ mod tests {
         // Reciprocity: a' B c = c' B a for any two sets of pressures.
         let lattice = HexagonalLattice::new(3.5);
         let window = Window::new(&lattice, 20.0);
-        let pair = PairCoupling::new(2, lattice.pitch);
+        let pair = PairCoupling::new(2);
         let cancel = CancelToken::default();
         let workers = Workers {
             pool: None,
@@ -302,7 +302,7 @@ mod tests {
         // B twice is twice B.
         let lattice = HexagonalLattice::new(3.5);
         let window = Window::new(&lattice, 12.0);
-        let pair = PairCoupling::new(2, lattice.pitch);
+        let pair = PairCoupling::new(2);
         let cancel = CancelToken::default();
         let workers = Workers {
             pool: None,

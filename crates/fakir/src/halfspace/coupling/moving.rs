@@ -261,7 +261,7 @@ mod tests {
             let mut found = moving.workspace();
             moving.fill(offset, radii, &mut found);
             let mut expected = vec![0.0; found.value.len()];
-            PairCoupling::new(degree, 4.0).block_of(offset, radii, &mut expected);
+            PairCoupling::new(degree).block_of(offset, radii, &mut expected);
             for (found, expected) in found.value.iter().zip(&expected) {
                 assert!(
                     (found - expected).abs() < 1e-14 * expected.abs().max(1.0),
@@ -281,7 +281,7 @@ mod tests {
             moving.prepare(0.8);
             let mut found = moving.workspace();
             moving.fill(offset, [1.0; 2], &mut found);
-            let still = PairCoupling::new(degree, 4.0).with_layers(&[film]);
+            let still = PairCoupling::new(degree).with_layers(&[film]);
             let mut expected = vec![0.0; found.value.len()];
             still.block_of(offset, [1.0; 2], &mut expected);
             let agree = |found: &[f64], expected: &[f64]| {

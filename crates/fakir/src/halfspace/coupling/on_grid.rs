@@ -556,9 +556,7 @@ impl<'p> GridCoupling<'p> {
             after
         };
         // Couplings with fewer modes, by degree; flat punches are not truncated.
-        let fewer: Vec<PairCoupling> = (0..most)
-            .map(|degree| PairCoupling::new(degree, pair.pitch()))
-            .collect();
+        let fewer: Vec<PairCoupling> = (0..most).map(PairCoupling::new).collect();
         let offset = |[receiver, source]: [usize; 2]| {
             let [a, b] = [receiver, source].map(|number| order[number] as usize);
             let offset = [0, 1].map(|k| centres[a][k] - centres[b][k]);
@@ -838,9 +836,7 @@ mod tests {
         coefficients: &[f64],
         workers: Workers<'_>,
     ) -> Vec<f64> {
-        let pairs: Vec<_> = (0..=degree)
-            .map(|degree| PairCoupling::new(degree, 4.0))
-            .collect();
+        let pairs: Vec<_> = (0..=degree).map(PairCoupling::new).collect();
         let offset = |[a, b]: [usize; 2]| {
             let offset = [0, 1].map(|k| sites.centres()[a][k] - sites.centres()[b][k]);
             (offset, [a, b].map(|pillar| sites.body(pillar).radius))
@@ -866,7 +862,7 @@ mod tests {
 
     /// Checks products relative to the largest displacement.
     fn check_products(sites: &Sites, degree: usize, bar: f64) {
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         let (cancel, modes) = (CancelToken::default(), mode_count(degree));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build();
         let pool = pool.unwrap();

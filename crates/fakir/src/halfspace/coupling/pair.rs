@@ -264,7 +264,6 @@ pub(super) struct Entry {
 #[derive(Debug, Clone)]
 pub(crate) struct PairCoupling {
     modes: Vec<Mode>,
-    pitch: f64,
     series: SeriesTable,
     /// Radial function for pillars that act as flat punches on the centres of the others, without series.
     flat_punches: Option<RadialFunction>,
@@ -361,8 +360,8 @@ enum Part {
 }
 
 impl PairCoupling {
-    /// `pitch` in pillar radii.
-    pub(crate) fn new(degree: usize, pitch: f64) -> Self {
+    /// The coupling of modes up to a degree.
+    pub(crate) fn new(degree: usize) -> Self {
         let modes = modes(degree);
         let mut series = Vec::new();
         let mut known: Vec<(Orders, [usize; 2])> = Vec::new();
@@ -388,7 +387,6 @@ impl PairCoupling {
         }
         Self {
             modes,
-            pitch,
             series: SeriesTable::new(series),
             flat_punches: None,
             layers: None,
@@ -399,7 +397,7 @@ impl PairCoupling {
 
     /// The coupling of the pillars of a scene, with layers if there are any.
     pub(crate) fn of_scene(degree: usize, scene: &Scene) -> Self {
-        Self::new(degree, scene.field.spacing()).on_layers_of(scene)
+        Self::new(degree).on_layers_of(scene)
     }
 
     /// The same on the layers of a scene, if there are any, for the radii of its pillars.
@@ -415,10 +413,10 @@ impl PairCoupling {
 
     /// Degree 0 with the displacement `(2/pi) zeta arcsin(1/delta)` of a flat punch at the centre of the receiving pillar instead of its
     /// average over the pillar, as in the paper.
-    pub(crate) fn of_flat_punches(pitch: f64) -> Self {
+    pub(crate) fn of_flat_punches() -> Self {
         Self {
             flat_punches: Some(RadialFunction::new(0, 0)),
-            ..Self::new(0, pitch)
+            ..Self::new(0)
         }
     }
 
@@ -519,11 +517,6 @@ impl PairCoupling {
     /// Highest degree of the modes.
     pub(crate) fn degree(&self) -> usize {
         self.modes.last().map_or(0, |mode| mode.degree)
-    }
-
-    /// Pitch in pillar radii.
-    pub(crate) fn pitch(&self) -> f64 {
-        self.pitch
     }
 
     /// Number of entries of a block on and above its diagonal.
@@ -751,7 +744,7 @@ mod tests {
     #[test]
     fn layers_add_what_the_table_has() {
         // In um for a radius of 3 um.
-        let (half_spaces, film) = (PairCoupling::new(2, 4.0), film());
+        let (half_spaces, film) = (PairCoupling::new(2), film());
         let layered = half_spaces.with_layers(&[film]);
         for (case, value) in rows("Delta g") {
             let (modes, distance) = modes_of(&case);
@@ -814,7 +807,7 @@ mod tests {
                 - c * (x + 1.0) * x * (x - 2.0) / 2.0
                 + d * (x + 1.0) * x * (x - 1.0) / 6.0
         };
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         let unlike = [0.6, 0.9, 1.3];
         let tabulated = pair.on_layers(&[film], &unlike, true);
         let integrated = pair.on_layers(&[film], &unlike, false);
@@ -868,7 +861,7 @@ mod tests {
     fn tables_are_integrals() {
         let degree = 4;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         let [tables, integrals] =
             [true, false].map(|tabulated| pair.on_layers(&[film()], &[0.4, 1.0], tabulated));
         for offset in [[1.9, 0.4], [-30.0, 17.0]] {
@@ -894,7 +887,7 @@ mod tests {
     fn far_discs_on_a_layer_are_forces() {
         let film = film();
         let around = crate::halfspace::layer::force::AroundForce::at_point(&[film]).unwrap();
-        let pair = PairCoupling::new(0, 4.0).on_layers(&[film], &[0.4, 1.2], true);
+        let pair = PairCoupling::new(0).on_layers(&[film], &[0.4, 1.2], true);
         for distance in [8.0, 20.0] {
             let [value, laplacian] = around.value_and_laplacian(distance);
             let of_size = (0.4_f64.powi(2) + 1.2_f64.powi(2)) / 6.0;
@@ -911,7 +904,7 @@ mod tests {
     fn blocks_by_double_quadrature() {
         let degree = 4;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         for offset in [[3.7, 0.0], [2.9, 2.5], [-6.0, 1.0]] {
             let expected = by_quadrature(degree, offset, [1.0; 2]);
             let mut block = vec![0.0; count * count];
@@ -929,7 +922,7 @@ mod tests {
     fn action_equals_reaction() {
         let degree = 5;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         let (mut there, mut back) = (vec![0.0; count * count], vec![0.0; count * count]);
         pair.block([2.2, -1.9], &mut there);
         pair.block([-2.2, 1.9], &mut back);
@@ -945,7 +938,7 @@ mod tests {
     fn blocks_of_two_radii_by_double_quadrature() {
         let degree = 4;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         for (offset, radii) in [([2.3, 0.4], [1.0, 0.3]), ([-1.9, 2.5], [0.7, 1.2])] {
             let expected = by_quadrature(degree, offset, radii);
             let mut block = vec![0.0; count * count];
@@ -963,7 +956,7 @@ mod tests {
     /// 256 to 16384 and Richardson extrapolation in their number.
     #[test]
     fn two_radii_are_those_of_the_reference() {
-        let pair = PairCoupling::new(2, 4.0);
+        let pair = PairCoupling::new(2);
         let mut block = vec![0.0; 36];
         for (distance, expected, tolerance) in [
             (1.3, [1.828_542_998_793_686, -0.147_835_354_740_613], 1e-12),
@@ -986,7 +979,7 @@ mod tests {
     fn exchanged_and_scaled_discs() {
         let degree = 3;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         let block = |pair: &PairCoupling, offset: [f64; 2], radii: [f64; 2]| {
             let mut block = vec![0.0; count * count];
             pair.block_of(offset, radii, &mut block);
@@ -1017,7 +1010,7 @@ mod tests {
     /// lowest mode (Copson).
     #[test]
     fn a_point_is_a_disc_without_radius() {
-        let pair = PairCoupling::new(2, 4.0);
+        let pair = PairCoupling::new(2);
         let mut block = vec![0.0; 36];
         pair.block_of([1.7, 0.0], [0.0, 1.0], &mut block);
         let exterior = RadialFunction::new(0, 0);
@@ -1035,7 +1028,7 @@ mod tests {
     fn derivatives_of_blocks() {
         let degree = 4;
         let count = mode_count(degree);
-        let pair = PairCoupling::new(degree, 4.0);
+        let pair = PairCoupling::new(degree);
         for (offset, [a, b]) in [([1.4, -0.6], [0.9, 0.4]), ([2.9, 2.5], [1.0, 1.0])] {
             let at = |distance: f64, receiver: f64, source: f64| {
                 let mut block = vec![0.0; count * count];
@@ -1082,7 +1075,7 @@ mod tests {
 
     #[test]
     fn touching_pillars_are_the_limit_of_close_ones() {
-        let pair = PairCoupling::new(0, 4.0);
+        let pair = PairCoupling::new(0);
         let at = |distance: f64| {
             let mut block = [0.0];
             pair.block([distance, 0.0], &mut block);

@@ -39,8 +39,7 @@ impl Window {
         if indexed.is_empty() {
             indexed.push((nearest, lattice.centre(nearest.0, nearest.1)));
         }
-        let vectors = [(1, 0), (0, 1)].map(|(i, j)| lattice.lattice_vector(i, j));
-        Self::of_pillars(vectors, &indexed, radius)
+        Self::of_pillars(lattice.vectors(), &indexed, radius)
     }
 
     /// The pillars of a lattice with these vectors, by increasing index, which are not empty; `None` if positions between the pillars of a
@@ -50,12 +49,12 @@ impl Window {
         indexed: &[((i64, i64), Point)],
         radius: f64,
     ) -> Option<Self> {
-        let neighbours = indexed.windows(2);
         let are_next = |pair: &[((i64, i64), Point)]| {
             let [(i, j), (u, v)] = [pair[0].0, pair[1].0];
             i != u || j + 1 == v
         };
-        (neighbours.into_iter().all(are_next)).then(|| Self::of_pillars(vectors, indexed, radius))
+        let has_no_gap = indexed.windows(2).all(are_next);
+        has_no_gap.then(|| Self::of_pillars(vectors, indexed, radius))
     }
 
     /// Pillars by increasing index, without gaps in any row.

@@ -13,6 +13,7 @@ use super::potential::CellPotential;
 use crate::numerics::fft::{ComplexPlans, Real, RealPlans, smooth_size, transpose, transpose_part};
 use crate::numerics::workers::{fill, map};
 use crate::problem::layer::WeightedLayer;
+use crate::problem::point::combined;
 use crate::problem::{Cells, Point};
 use num_complex::{Complex, Complex64};
 use rayon::ThreadPool;
@@ -707,9 +708,7 @@ struct Influence<'a> {
 impl Influence<'_> {
     /// The distance of pillars by their offset on the lattice.
     fn offset(&self, (i, j): (i64, i64)) -> Point {
-        let [a, b] = self.vectors;
-        let (i, j) = (i as f64, j as f64);
-        [a[0] * i + b[0] * j, a[1] * i + b[1] * j]
+        combined(self.vectors, [i as f64, j as f64])
     }
 
     /// Displacement at a distance from a cell under unit pressure.

@@ -845,10 +845,7 @@ mod tests {
         for (field, _, _) in fields() {
             let window = Sites::within(&field, 11.0);
             let grid = FloorGrid::new(&field, Division::new(&field, 4), 6.0).unwrap();
-            let (cancel, pair) = (
-                CancelToken::default(),
-                PairCoupling::new(2, field.spacing()),
-            );
+            let (cancel, pair) = (CancelToken::default(), PairCoupling::new(2));
             let workers = Workers {
                 pool: None,
                 cancel: &cancel,

@@ -485,8 +485,7 @@ pub(super) mod tests {
             offset: 0.3,
             offset_angle: 1.0,
         };
-        let vectors =
-            [(1, 0), (0, 1)].map(|(i, j)| HexagonalLattice::new(5.3).lattice_vector(i, j));
+        let vectors = HexagonalLattice::new(5.3).vectors();
         let fields = [hexagonal(lattice), plane(vectors, lattice.centre(0, 0))];
         let [one, other] =
             fields.map(|field| FloorGrid::new(&field, Division::new(&field, 6), 13.0).unwrap());

@@ -10,6 +10,7 @@ use crate::halfspace::coupling::window::Window;
 use crate::halfspace::disc::basis::UNIT_FORCE;
 use crate::numerics::cholesky::factorise;
 use crate::numerics::vector::widest;
+use crate::problem::point::combined;
 use std::f64::consts::PI;
 
 /// Smallest and largest number of tops for which the preconditioner is used.
@@ -34,18 +35,14 @@ impl MeanCoupling {
     fn new(window: &Window) -> Self {
         let (rows, columns) = window.shape();
         let reach = (rows as i64 - 1, columns as i64 - 1);
-        let [one, other] = window.vectors();
-        let pair = PairCoupling::new(0, one[0].hypot(one[1]));
+        let pair = PairCoupling::new(0);
         let mut values = Vec::with_capacity((2 * rows - 1) * (2 * columns - 1));
         let mut block = [0.0];
         for i in -reach.0..=reach.0 {
             for j in -reach.1..=reach.1 {
                 block[0] = 0.0;
                 if (i, j) != (0, 0) {
-                    pair.block(
-                        [0, 1].map(|k| one[k] * i as f64 + other[k] * j as f64),
-                        &mut block,
-                    );
+                    pair.block(combined(window.vectors(), [i as f64, j as f64]), &mut block);
                 }
                 values.push(block[0]);
             }

@@ -303,7 +303,7 @@ mod tests {
     fn layers_act_on_the_patch_as_on_a_pillar() {
         let film = film();
         let solver = PatchSolver::of_degree(8, 0.0, &[film]);
-        let pair = PairCoupling::new(8, 4.0).with_layers(&[film]);
+        let pair = PairCoupling::new(8).with_layers(&[film]);
         let block = pair.own_block(1.0).unwrap();
         let count = solver.places.len();
         let influence = solver.influence(1.0);

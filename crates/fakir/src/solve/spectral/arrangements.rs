@@ -351,8 +351,7 @@ fn compare_descriptions(lattices: &[(f64, f64)]) {
         let system = reference::on_lattice(hexagonal, rubber, column);
         let scene = Scene::new(&system);
         let paper = *scene.hexagonal_lattice().unwrap();
-        let vectors =
-            [(1, 0), (0, 1)].map(|(i, j)| HexagonalLattice::new(paper.pitch).lattice_vector(i, j));
+        let vectors = HexagonalLattice::new(paper.pitch).vectors();
         let body = PillarBody::of_column(scene.field.column());
         let lattice = PlaneLattice::new(vectors, paper.centre(0, 0), body).unwrap();
         let any = Scene {
