@@ -53,7 +53,7 @@ README = ROOT / "README.md"
 BLOCK = re.compile(r"^```(?P<kind>[\w,=+-]*)\n(?P<body>.*?)^```\n", re.MULTILINE | re.DOTALL)
 PICTURE = re.compile(r"!\[(?P<caption>[^\]]*)\]\((?P<path>[^):]+)\)")
 TIMES = re.compile(r"\b\d+(\.\d+)?(e-?\d+)? (ns|us|ms|s|min)\b|(?<=wall_time_s\": )[\d.e-]+")
-STEPS = re.compile(r"\b(Newton steps|load steps|iterations|rounds|converged in) +\d+\b")
+STEPS = re.compile(r"\b(Newton steps|load steps|stations|iterations|rounds|converged in) +\d+\b")
 
 # A number that is not a part of a word, a name or a version.
 NUMBER = re.compile(r"(?<![\w.-])([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)(?!\w|\.\d)")
