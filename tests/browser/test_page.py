@@ -64,14 +64,15 @@ def server():
 
 
 def differences(one, other, where=""):
-    """Where two answers differ by more than a relative 1e-9; differences of computing times do not count.
-
-    Numbers of iterations do not count either: the functions of the two programs round differently, and a change that just misses the limit of
-    convergence takes further steps.
-    """
+    """Where two answers differ by more than a relative 1e-9; differences of computing times do not count."""
     if isinstance(one, dict) and isinstance(other, dict):
         assert one.keys() == other.keys(), where
-        for key in one.keys() - {"wall_time_s", "iterations"}:
+        ignored = {"wall_time_s"}
+        points = [answer.get("floor_contact_m") for answer in (one, other)]
+        if None not in points and math.dist(*points) > 1e-9:
+            # From another of the symmetric copies of a point, the solution may take other steps to the same numbers.
+            ignored.add("iterations")
+        for key in one.keys() - ignored:
             yield from differences(one[key], other[key], f"{where}.{key}")
     elif where.endswith(("floor_contact_m", "bottom_contact_m")):
         # Rounding decides which of the symmetric copies of a point is found.
