@@ -304,6 +304,9 @@ fn floor_contact(list: &mut QuantityList, cycle: &Cycle) {
 
 /// Only the magnitude: digits depend on rounding, and values below any significant error differ between machines.
 pub(super) fn certificate_words(certificate: f64) -> String {
+    if !certificate.is_finite() {
+        return "unknown".to_owned();
+    }
     if certificate < 1e-9 {
         return "< 1e-9".to_owned();
     }

@@ -9,7 +9,7 @@ use crate::problem::column::PillarCompliance;
 use crate::problem::grid::Grid;
 use crate::problem::height_map::{HeightMap, PillarColumns};
 use crate::problem::lens::Material;
-use crate::problem::point::Point;
+use crate::problem::point::{Point, combined};
 use std::f64::consts::PI;
 
 /// A surface patterned with pillars.
@@ -224,7 +224,7 @@ impl Pattern {
         let mut neighbours = (-reach..=reach)
             .flat_map(|i| (-reach..=reach).map(move |j| (i, j)))
             .filter(|index| *index != (0, 0))
-            .map(|(i, j)| [0, 1].map(|k| vectors[0][k] * i as f64 + vectors[1][k] * j as f64));
+            .map(|(i, j)| combined(vectors, [i as f64, j as f64]));
         if neighbours.any(|vector| outline.overlaps(self.pillar.turned_back(vector))) {
             return Err(InvalidPattern::Overlap {
                 pitch: lattice.form.pitch(),
