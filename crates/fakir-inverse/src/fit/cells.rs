@@ -11,6 +11,10 @@ pub(super) const BLANKS: char = ' ';
 /// Text of a comment.
 pub(super) fn comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
+    let first = line.split(['\t', ';', ',', ' ']).next().unwrap_or(line);
+    if is_formula_error(first) {
+        return None;
+    }
     let marks = ["#", "%", "//", "!", ";"];
     marks.into_iter().find_map(|mark| line.strip_prefix(mark))
 }
@@ -25,14 +29,30 @@ pub(super) fn is_comment(line: &str, separator: char, columns: usize) -> bool {
 }
 
 /// Texts of cells that stand for a value that was not measured, in lower case.
-const NOT_MEASURED: [&str; 15] = [
-    "", "nan", "na", "n/a", "#n/a", "-", "--", "---", "bad", "null", "none", "*", "?", "missing",
-    "1.#qnan",
+const NOT_MEASURED: [&str; 12] = [
+    "", "na", "n/a", "-", "--", "---", "bad", "null", "none", "*", "?", "missing",
+];
+
+/// Texts of numbers that are none, without their sign, as the libraries of C write them.
+const NO_NUMBERS: [&str; 5] = ["nan", "nan(ind)", "nan(snan)", "1.#ind", "1.#qnan"];
+
+/// Errors of formulas in spreadsheets, in English and German.
+const FORMULA_ERRORS: [&str; 11] = [
+    "#N/A", "#DIV/0!", "#VALUE!", "#REF!", "#NAME?", "#NUM!", "#NULL!", "#NV", "#WERT!", "#BEZUG!",
+    "#ZAHL!",
 ];
 
 /// Whether a cell stands for a value that was not measured.
 pub(super) fn is_not_measured(text: &str) -> bool {
-    NOT_MEASURED.contains(&&text.trim().to_lowercase()[..])
+    let lower = text.trim().to_lowercase();
+    let unsigned = lower.strip_prefix(['-', '+']).unwrap_or(&lower);
+    NOT_MEASURED.contains(&&lower[..]) || NO_NUMBERS.contains(&unsigned) || is_formula_error(&lower)
+}
+
+/// Whether a text is an error of a formula.
+fn is_formula_error(text: &str) -> bool {
+    let mut errors = FORMULA_ERRORS.iter();
+    errors.any(|error| error.eq_ignore_ascii_case(text))
 }
 
 /// How the numbers of a file are written.
@@ -136,6 +156,11 @@ pub(super) fn number(text: &str, notation: Notation) -> Option<String> {
         _ if commas == 1 && !plain.contains('.') => plain.replace(',', "."),
         _ => plain,
     };
+    // Fortran writes exponents of double precision with D.
+    let plain = match plain.split_once(['D', 'd']) {
+        Some((digits, exponent)) => format!("{digits}e{exponent}"),
+        None => plain,
+    };
     plain.parse::<f64>().is_ok().then_some(plain)
 }
 
@@ -162,6 +187,22 @@ mod tests {
         assert_eq!(single("1 234.5").as_deref(), Some("1234.5"));
         assert_eq!(single("1'234'567").as_deref(), Some("1234567"));
         assert_eq!(single("12 34"), None);
+        assert_eq!(single("1.2D-3").as_deref(), Some("1.2e-3"));
+        assert_eq!(single("-1,5d+02").as_deref(), Some("-1.5e+02"));
+        assert_eq!(single("D5"), None);
+    }
+
+    #[test]
+    fn cells_without_a_value() {
+        let texts =
+            "#DIV/0! #NV #WERT! #REF! #VALUE! #N/A -nan +NaN -nan(ind) -1.#IND 1.#QNAN NaN Bad -";
+        for text in texts.split(' ') {
+            assert!(is_not_measured(text) && !is_number(text), "{text}");
+        }
+        // A formula without a value does not make a comment of the row that it begins.
+        assert_eq!(comment("#DIV/0!;2"), None);
+        assert_eq!(comment("#REF: A"), Some("REF: A"));
+        assert!(!is_not_measured("inf") && !is_not_measured("1.#INF"));
     }
 
     #[test]

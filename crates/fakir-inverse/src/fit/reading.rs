@@ -368,10 +368,16 @@ impl Reader<'_> {
         let number = |line: usize| line as u64 + 1;
         let mut heading = self.heading(&headings, &units, line.map(number), &hints)?;
         heading.layout.separator = Some(separator);
+        let used = heading.used.iter();
+        let last_used = used.map(|used| used.place).max().unwrap_or(0);
         let cells_of = |text: &str| {
             let mut cells = cells(text, separator);
             while cells.len() > headings.len() && cells.last().is_some_and(String::is_empty) {
                 cells.pop();
+            }
+            // LabVIEW leaves out the cell of a comment that ends a row.
+            if separator != BLANKS && cells.len() > last_used {
+                cells.resize(cells.len().max(headings.len()), String::new());
             }
             cells
         };

@@ -55,6 +55,12 @@ fn separators_units_and_numbers() {
         "displacement_um,force_uN\nNaN,NaN\n2.5,1.5\nBad,-\n3.5,-2\n3.6,\n",
         // Markers between rows and a footer.
         "displacement_um,force_uN\n--- hold ---\n2.5,1.5\nPoint 2\n3.5,-2\n\nMaximum,1.5\nEnd of test: 12:30\n",
+        // Errors of formulas, and numbers that are none, as C and C++ write them.
+        "displacement_um,force_uN\n#DIV/0!,#NV\n2.5,1.5\n3.0,#WERT!\n3.5,-2\n-nan,+NaN\n-nan(ind),-1.#IND\n",
+        // Exponents of Fortran.
+        "displacement_m force_N\n 2.5D-06 1.5D-06\n 3.5D-06 -2.0d-06\n",
+        // LabVIEW: the last cell of a row, that of the comment, is missing.
+        "Time (s)\tDisplacement (um)\tForce (uN)\tComment\n0\t2.5\t1.5\tbegin\n1\t3.5\t-2\n",
         // Thousands.
         "Displacement (nm);Force (nN)\n\"2,500.0\";\"1,500.0\"\n3 500.0;\"-2,000.0\"\n",
         "Displacement (nm);Force (nN)\n2.500,0;1.500,0\n3'500,0;-2.000,0\n",
