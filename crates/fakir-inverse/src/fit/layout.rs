@@ -2,7 +2,7 @@
 
 use super::column::Column;
 use super::heading::split_unit;
-use super::units::{example_unit, sensitivity};
+use super::units::{example_unit, is_unit, sensitivity};
 
 /// A column of a file or a table, and its interpretation.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,10 +22,13 @@ pub struct ReadColumn {
 }
 
 impl ReadColumn {
-    /// Whether its heading is one of the names of columns that define the sign of their values.
+    /// Whether its heading is the name of a quantity with a unit, `force_mN`, which defines the sign of its values.
     pub(super) fn is_canonical(&self) -> bool {
-        self.column
-            .is_some_and(|column| column.name() == self.heading)
+        self.column.is_some_and(|column| {
+            let rest = self.heading.strip_prefix(column.quantity());
+            rest.and_then(|rest| rest.strip_prefix('_'))
+                .is_some_and(is_unit)
+        })
     }
 }
 

@@ -65,10 +65,32 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     if other.abs() > OUT_OF_CONTACT * contact.abs() || contact.abs() < 0.5 * largest {
         return Reversed::default();
     }
+    let end = if is_high { count - 1 } else { 0 };
+    if contact < 0.0 && pulls_more_before(&points, points[end][0], offset) {
+        return Reversed::default();
+    }
     Reversed {
         position: !is_high,
         force: contact < 0.0,
     }
+}
+
+/// Whether a force that is negative at the end of the positions in contact is more so at a distance from it. A compression
+/// is largest where the lens is deepest; a pull is largest just before the lens is pulled off.
+fn pulls_more_before(points: &[[f64; 2]], deepest: f64, offset: f64) -> bool {
+    /// Distance from the deepest position, as a fraction of the range.
+    const DISTANCE: f64 = 0.1;
+    /// Increase of the force, more than noise and relaxation.
+    const INCREASE: f64 = 1.2;
+    let range = points[points.len() - 1][0] - points[0][0];
+    let (near, far): (Vec<&[f64; 2]>, Vec<&[f64; 2]>) = points
+        .iter()
+        .partition(|point| (point[0] - deepest).abs() <= DISTANCE * range);
+    let least = |points: &[&[f64; 2]]| {
+        let forces = points.iter().map(|point| point[1] - offset);
+        forces.fold(0.0, f64::min)
+    };
+    least(&far) < INCREASE * least(&near)
 }
 
 /// Whether forces that are the loads are all negative.
@@ -122,5 +144,18 @@ mod tests {
         };
         let pulls: Vec<(u64, RowValues)> = (0..20).map(pull).collect();
         assert_eq!(reversed(&pulls, false), Reversed::default());
+        // A contact that stays in tension: the pull at the deepest point is more than half of the pull-off force, as in a gentle contact of JKR.
+        let gentle = |step: u32| {
+            let depth = f64::from(step) - 30.0;
+            let force = if depth < -10.0 {
+                0.0
+            } else {
+                0.1 * depth - 3.0
+            };
+            let values = vec![(Column::Displacement, depth), (Column::Force, force)];
+            (u64::from(step), values)
+        };
+        let tension: Vec<(u64, RowValues)> = (0..=40).map(gentle).collect();
+        assert_eq!(reversed(&tension, false), Reversed::default());
     }
 }

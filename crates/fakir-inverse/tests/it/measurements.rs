@@ -129,8 +129,10 @@ fn compression_that_is_counted_negative_is_detected() {
     let text = format!("Height (um);Deflection (uN)\n{}", loading([-1.0, 1.0], ";"));
     assert_eq!(values(&read(&text)), expected);
     // Names that define the sign, and columns named by hand, are left as they are.
-    let text = format!("displacement_m,force_N\n{}", loading([1.0, -1.0], ","));
-    assert!(read(&text).rows()[11].force.unwrap().value < 0.0);
+    for heading in ["displacement_m,force_N", "displacement_um,force_mN"] {
+        let text = format!("{heading}\n{}", loading([1.0, -1.0], ","));
+        assert!(read(&text).rows()[11].force.unwrap().value < 0.0);
+    }
     let text = format!("Position [um],Load [uN]\n{}", loading([1.0, -1.0], ","));
     let data = read_by_hand(&text, &["force=Load [uN]"], None);
     assert!(data.rows()[11].force.unwrap().value < 0.0);
