@@ -202,6 +202,18 @@ pub(super) fn quantity_of(name: &str) -> Option<Column> {
     }
 }
 
+/// Whether a name contains a power or a factor: `1000*Load`, `Load/1000`, `Load 10^-3`.
+pub(super) fn has_factor(name: &str) -> bool {
+    const TIMES: [char; 5] = ['*', '/', '\u{d7}', '\u{b7}', ':'];
+    let plain: Vec<char> = name.chars().filter(|c| !c.is_whitespace()).collect();
+    let is_digit = |c: Option<&char>| c.is_some_and(char::is_ascii_digit);
+    plain.contains(&'^')
+        || plain.iter().enumerate().any(|(place, c)| {
+            let before = place.checked_sub(1).and_then(|place| plain.get(place));
+            TIMES.contains(c) && (is_digit(before) || is_digit(plain.get(place + 1)))
+        })
+}
+
 /// The branch that a word names.
 pub(super) fn branch_of(text: &str) -> Option<Branch> {
     const LOADING: [&str; 10] = [
@@ -371,6 +383,23 @@ mod tests {
             if column.is_some() {
                 assert_eq!(found.as_deref(), Some(unit), "{heading}");
             }
+        }
+    }
+
+    #[test]
+    fn factors_in_headings() {
+        for heading in [
+            "1000*Load (N)",
+            "Load*1000 (N)",
+            "Load / 1000 (N)",
+            "Load/10 mN",
+            "Load^2 (mN)",
+            "Load 10^-3 (N)",
+        ] {
+            assert!(has_factor(&split_unit(heading).0), "{heading}");
+        }
+        for heading in ["F / mN", "Load* (N)", "Force 1 [mN]", "Force/Load (N)"] {
+            assert!(!has_factor(&split_unit(heading).0), "{heading}");
         }
     }
 

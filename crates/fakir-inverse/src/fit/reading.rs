@@ -10,7 +10,7 @@ use super::cells::{
 };
 use super::column::{Column, DataError};
 use super::heading::{
-    Substitute, branch_of, quantity_of, split_branch, split_unit, substitute, volts_of,
+    Substitute, branch_of, has_factor, quantity_of, split_branch, split_unit, substitute, volts_of,
     without_brackets,
 };
 use super::layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason};
@@ -197,6 +197,16 @@ impl Reader<'_> {
                 let unit = candidate.unit.or(below.filter(|unit| !unit.is_empty()));
                 let scale = match &unit {
                     _ if column == Column::Branch => Ok(None),
+                    _ if !candidate.by_hand && has_factor(&split_unit(heading).0) => {
+                        let unit = unit.as_deref().filter(|unit| is_unit(unit));
+                        Err(format!(
+                            "a factor or a power in the heading, which is not applied: name the column by hand with the factor that its numbers take, \
+                             as {}=\"#{} [{}]*0.001\"",
+                            column.quantity(),
+                            place + 1,
+                            unit.unwrap_or(example_unit(column))
+                        ))
+                    }
                     Some(unit) => Scale::of(column, unit, &candidate.factors).map(Some),
                     None => Err(format!(
                         "no unit: write it into the heading, as \"{heading} [{unit}]\", into a row below the headings, or \

@@ -264,3 +264,27 @@ fn text_of_afmformats() {
     let tip = read(&text.replace("height (measured)", "tip position"));
     assert_eq!(tip.layout().cantilever_compliance, None);
 }
+
+#[test]
+fn factors_in_headings_are_not_dropped() {
+    for heading in [
+        "1000*Load (N)",
+        "Load/1000 (N)",
+        "Load^2 (N)",
+        "Load 10^-3 (N)",
+    ] {
+        let text = format!("Depth (um),{heading}\n2.5,1.5\n3.5,-2\n");
+        let error = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.starts_with(&format!("data:1: {heading}: a factor")),
+            "{error}"
+        );
+        assert!(error.contains("force=\"#2 [N]*0.001\""), "{error}");
+        let data = read_by_hand(&text, &["force=#2 [N]*0.000001"], None);
+        assert_eq!(values(&data), [[2.5, 1.5], [3.5, -2.0]]);
+    }
+    // Beside a column without a factor it is not used.
+    let text = "Depth (um),Load (uN),1000*Load (N)\n2.5,1.5,0.0015\n3.5,-2,-0.002\n";
+    assert_eq!(values(&read(text)), [[2.5, 1.5], [3.5, -2.0]]);
+}
