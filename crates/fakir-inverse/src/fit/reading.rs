@@ -197,16 +197,11 @@ impl Reader<'_> {
                 let unit = candidate.unit.or(below.filter(|unit| !unit.is_empty()));
                 let scale = match &unit {
                     _ if column == Column::Branch => Ok(None),
-                    _ if !candidate.by_hand && has_factor(&split_unit(heading).0) => {
-                        let unit = unit.as_deref().filter(|unit| is_unit(unit));
-                        Err(format!(
-                            "a factor or a power in the heading, which is not applied: name the column by hand with the factor that its numbers take, \
-                             as {}=\"#{} [{}]*0.001\"",
-                            column.quantity(),
-                            place + 1,
-                            unit.unwrap_or(example_unit(column))
-                        ))
-                    }
+                    _ if !candidate.by_hand && has_factor(&split_unit(heading).0) => Err(format!(
+                        "a factor or a power in the heading, which is not applied: name the column by hand with the factor that its numbers take, \
+                             as {}=\"{heading}*0.001\"",
+                        column.quantity()
+                    )),
                     Some(unit) => Scale::of(column, unit, &candidate.factors).map(Some),
                     None => Err(format!(
                         "no unit: write it into the heading, as \"{heading} [{unit}]\", into a row below the headings, or \
@@ -283,6 +278,7 @@ impl Reader<'_> {
         for branch in branches {
             heading.substitute(units, hints, *branch);
         }
+        self.check_units(&heading, units, are_beside)?;
         let has = |column| heading.used.iter().any(|used| used.column == column);
         if let (Some(constant), true) = (hints.spring_constant, has(Column::Displacement))
             && !heading.is_position_of_tip(hints)
@@ -290,6 +286,36 @@ impl Reader<'_> {
             heading.layout.cantilever_compliance = Some(1.0 / constant);
         }
         Ok(heading)
+    }
+
+    /// Checks that the units in the headings of used columns are those of the row of units.
+    fn check_units(
+        &self,
+        heading: &Heading,
+        units: &[String],
+        are_beside: bool,
+    ) -> Result<(), DataError> {
+        for used in &heading.used {
+            let read = &heading.layout.columns[used.place];
+            let rest = split_branch(&read.heading).filter(|_| are_beside);
+            let of_heading = split_unit(rest.as_ref().map_or(&read.heading, |(_, rest)| rest)).1;
+            let below = units.get(used.place).map(|unit| without_brackets(unit));
+            let (Some(of_heading), Some(below), false) = (of_heading, below, read.by_hand) else {
+                continue;
+            };
+            let scale = |unit: &str| Scale::of(used.column, unit, &[]).ok();
+            let one = |unit: &str| scale(unit).and_then(|scale| scale.value("1"));
+            if is_unit(below) && one(&of_heading) != one(below) {
+                let problem = format!(
+                    "the heading says {of_heading}, the row of units below {below}: correct one of them, or name the column by hand to take the unit of the heading: \
+                     {}=\"{}\"",
+                    used.column.quantity(),
+                    read.heading
+                );
+                return Err(self.fail(heading.layout.heading_line, Some(&read.heading), problem));
+            }
+        }
+        Ok(())
     }
 
     /// Headings of arrays, each with its values; headings that are not recognised have none.

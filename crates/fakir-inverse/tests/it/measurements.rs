@@ -280,11 +280,37 @@ fn factors_in_headings_are_not_dropped() {
             error.starts_with(&format!("data:1: {heading}: a factor")),
             "{error}"
         );
-        assert!(error.contains("force=\"#2 [N]*0.001\""), "{error}");
-        let data = read_by_hand(&text, &["force=#2 [N]*0.000001"], None);
+        assert!(error.contains("*0.001\""), "{error}");
+        let data = read_by_hand(&text, &[&format!("force={heading}*0.000001")], None);
         assert_eq!(values(&data), [[2.5, 1.5], [3.5, -2.0]]);
     }
     // Beside a column without a factor it is not used.
     let text = "Depth (um),Load (uN),1000*Load (N)\n2.5,1.5,0.0015\n3.5,-2,-0.002\n";
     assert_eq!(values(&read(text)), [[2.5, 1.5], [3.5, -2.0]]);
+}
+
+#[test]
+fn contradictory_units_are_refused() {
+    for (headings, units) in [
+        ("Depth (um),Load (N)", "um,mN"),
+        ("displacement_um,force_N", "um,mN"),
+        ("Height (um),Load (N)", "um,mN"),
+        ("Depth (um),Load (N)", "um,nm"),
+    ] {
+        let text = format!("{headings}\n{units}\n2.5,1.5\n3.5,-2\n");
+        let error = Measurements::from_csv("data", text.as_bytes(), &[]).unwrap_err();
+        let error = error.to_string();
+        let below = &units[3..];
+        assert!(
+            error.starts_with("data:1: ")
+                && error.contains(&format!("says N, the row of units below {below}")),
+            "{error}"
+        );
+    }
+    // The same units in other words are no contradiction.
+    let text = "Depth (\u{b5}m),Load (uN)\n[micron],[\u{3bc}N]\n2.5,1.5\n3.5,-2\n";
+    assert_eq!(values(&read(text)), [[2.5, 1.5], [3.5, -2.0]]);
+    let text = "Depth (um),Load (uN)\n(um),(N)\n2.5,1.5\n3.5,-2\n";
+    let data = read_by_hand(text, &["force=Load (uN)"], None);
+    assert_eq!(values(&data), [[2.5, 1.5], [3.5, -2.0]]);
 }
