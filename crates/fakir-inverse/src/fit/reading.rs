@@ -420,21 +420,27 @@ impl Reader<'_> {
         let is_row =
             |text: &str| !text.trim().is_empty() && !is_comment(text, separator, headings.len());
         let mut evidence = Evidence::default();
+        let mut seen = vec![Seen::default(); headings.len()];
         for text in lines.iter().skip(first).filter(|text| is_row(text)) {
             let cells = cells_of(text);
-            let used = heading
-                .used
-                .iter()
-                .filter(|used| used.column != Column::Branch);
-            used.filter_map(|used| cells.get(used.place))
-                .filter(|_| cells.len() == headings.len())
-                .for_each(|cell| evidence.add(cell));
+            if cells.len() != headings.len() {
+                continue;
+            }
+            let counted = seen.iter_mut().zip(&cells);
+            counted.for_each(|(seen, cell)| seen.add(cell));
+            let used = heading.used.iter();
+            used.filter(|used| used.column != Column::Branch)
+                .for_each(|used| evidence.add(&cells[used.place]));
         }
+        let used = heading.used.iter().map(|used| used.place);
+        let labels = used.min().unwrap_or(0);
         let mut rows = Rows {
             notation: evidence.notation(),
             label: label.and_then(branch_of),
             ..Rows::default()
         };
+        // Whether the previous row was a heading, or the name of a statistic alone.
+        let (mut is_heading, mut is_label) = (false, false);
         for (index, text) in lines.iter().enumerate().skip(first) {
             if !is_row(text) {
                 self.check_segment(number(index), text, &lines, line, &mut rows)?;
@@ -444,7 +450,38 @@ impl Reader<'_> {
             let is_again = cells == headings || (!units.is_empty() && cells == units);
             let mut full = cells.iter().filter(|cell| !cell.is_empty());
             let only = full.next().filter(|_| full.next().is_none());
+            let was_heading = std::mem::replace(&mut is_heading, is_again);
             if is_again {
+                continue;
+            }
+            let other = Other {
+                cells: &cells,
+                text,
+                separator,
+                hints: &hints,
+            };
+            if !rows.rows.is_empty() && !are_by_number(&hints) {
+                if other.repeats(&headings) {
+                    is_heading = true;
+                    continue;
+                }
+                if let Some(problem) = other.problem(was_heading) {
+                    let first = line.map_or(String::new(), |line| format!(" of line {}", line + 1));
+                    let problem = format!(
+                        "{problem} that differs from that{first}: save what is below as a file of its own, or write it in the columns and units above"
+                    );
+                    return Err(self.fail(Some(number(index)), None, problem));
+                }
+            }
+            let is_below_label =
+                std::mem::replace(&mut is_label, only.is_some_and(|cell| is_statistic(cell)));
+            let ends = || {
+                let mut below = lines.iter().skip(index + 1).filter(|text| is_row(text));
+                let next = below.next().map(|text| cells_of(text));
+                next.is_none_or(|cells| is_text(&cells, &heading, cells.len() == headings.len()))
+            };
+            if is_summary(&cells, &seen, labels) || is_below_label && ends() {
+                rows.text.push(number(index));
                 continue;
             }
             if let Some(branch) = only.and_then(|cell| branch_of(cell)) {
@@ -531,7 +568,7 @@ impl Reader<'_> {
 
     /// Finds the line of the headings and the separator for which most columns are recognised.
     fn find_heading(&self, lines: &[&str], hints: &Hints) -> Result<Place, DataError> {
-        if !hints.named.is_empty() && hints.named.iter().all(NamedColumn::is_by_number) {
+        if are_by_number(hints) {
             return self.by_numbers(lines, &hints.named);
         }
         // Headings in a comment are used if there are no others, then those separated by blanks, then those whose quantities are only
@@ -813,6 +850,148 @@ fn begins_with_empty_cell(lines: &[&str], index: usize, separator: char) -> bool
     separator == ';'
         && line.starts_with(';')
         && row_separator(lines, index + 1, separator, count) == Some(separator)
+}
+
+/// Whether the user named columns by their numbers alone, which hold for all rows.
+fn are_by_number(hints: &Hints) -> bool {
+    !hints.named.is_empty() && hints.named.iter().all(NamedColumn::is_by_number)
+}
+
+/// A row below others that may be another heading.
+struct Other<'a> {
+    cells: &'a [String],
+    text: &'a str,
+    separator: char,
+    hints: &'a Hints,
+}
+
+impl Other<'_> {
+    /// Its cells as headings.
+    fn headings(&self) -> Vec<Vec<String>> {
+        match self.separator {
+            _ if self.cells.iter().any(|cell| is_number(cell)) => Vec::new(),
+            BLANKS => blank_headings(self.text).to_vec(),
+            _ => vec![self.cells.to_vec()],
+        }
+    }
+
+    /// Whether it is the heading again.
+    fn repeats(&self, headings: &[String]) -> bool {
+        let plain = |cells: &[String]| {
+            let cells = cells.iter().map(|cell| {
+                let words: Vec<&str> = cell.split_whitespace().collect();
+                words.join(" ").to_lowercase()
+            });
+            let mut cells: Vec<String> = cells.collect();
+            while cells.last().is_some_and(String::is_empty) {
+                cells.pop();
+            }
+            cells
+        };
+        let wanted = plain(headings);
+        self.headings().iter().any(|cells| plain(cells) == wanted)
+    }
+
+    /// What it is, if it is another heading, or below the heading another row of units.
+    fn problem(&self, was_heading: bool) -> Option<&'static str> {
+        let full = self.cells.iter().filter(|cell| !cell.is_empty());
+        let full: Vec<&String> = full.collect();
+        if full.len() < 2 {
+            return None;
+        }
+        if was_heading && full.iter().all(|cell| is_unit(without_brackets(cell))) {
+            return Some("a row of units");
+        }
+        let is_heading = |cells: &Vec<String>| {
+            let search = Search {
+                hints: self.hints,
+                commented: false,
+                least: 1,
+                with_substitutes: true,
+            };
+            let are_beside = are_branches_beside(cells, self.hints);
+            let known = cells.iter().enumerate();
+            let known = known.filter(|(place, cell)| search.knows(*place, cell, are_beside));
+            let known: Vec<&String> = known.map(|(_, cell)| cell).collect();
+            // `Segment 2, load` between the rows is none.
+            let is_branch = |cell: &&&String| {
+                branch_of(cell).is_some() || quantity_of(cell) == Some(Column::Branch)
+            };
+            let sure = known.iter().filter(|cell| !is_branch(cell));
+            let mut with_unit = sure.clone().filter(|cell| split_unit(cell).1.is_some());
+            with_unit.next().is_some() || (sure.count() > 0 && known.len() > 1)
+        };
+        self.headings()
+            .iter()
+            .any(is_heading)
+            .then_some("another heading")
+    }
+}
+
+/// Cells of a column in all rows.
+#[derive(Debug, Clone, Default)]
+struct Seen {
+    numbers: usize,
+    words: usize,
+    /// Words that name a statistic.
+    statistics: usize,
+}
+
+impl Seen {
+    fn add(&mut self, cell: &str) {
+        if is_number(cell) {
+            self.numbers += 1;
+        } else if !is_not_measured(cell) {
+            self.words += 1;
+            self.statistics += usize::from(is_statistic(cell));
+        }
+    }
+}
+
+/// Whether a word names a statistic of the rows above.
+fn is_statistic(text: &str) -> bool {
+    const STATISTICS: [&str; 27] = [
+        "mean",
+        "average",
+        "avg",
+        "sd",
+        "std",
+        "stdev",
+        "std dev",
+        "standard deviation",
+        "sem",
+        "min",
+        "max",
+        "minimum",
+        "maximum",
+        "sum",
+        "total",
+        "median",
+        "variance",
+        "range",
+        "count",
+        "cv",
+        "rsd",
+        "mittelwert",
+        "mittel",
+        "stabw",
+        "standardabweichung",
+        "summe",
+        "moyenne",
+    ];
+    let plain = text.trim_end_matches([':', '.']).replace('.', "");
+    STATISTICS.contains(&&plain.to_lowercase()[..])
+}
+
+/// Whether a row summarises others: a word in its first cell where most rows have numbers, or the name of a statistic before the
+/// columns that are used, the first of which is `labels`, where other rows have none.
+fn is_summary(cells: &[String], seen: &[Seen], labels: usize) -> bool {
+    let is_word = |cell: &String| !is_not_measured(cell) && !is_number(cell);
+    let mut columns = cells.iter().zip(seen).take(labels);
+    let first = columns.clone().find(|(cell, _)| !cell.is_empty());
+    first.is_some_and(|(cell, seen)| is_word(cell) && seen.numbers > 3 * seen.words)
+        || columns
+            .any(|(cell, seen)| is_statistic(cell) && seen.numbers + seen.words > seen.statistics)
 }
 
 /// Whether a row is a marker or a footer: no used column has a number, or the row begins with a word where a number belongs.

@@ -314,3 +314,88 @@ fn contradictory_units_are_refused() {
     let data = read_by_hand(text, &["force=Load (uN)"], None);
     assert_eq!(values(&data), [[2.5, 1.5], [3.5, -2.0]]);
 }
+
+#[test]
+fn rows_of_statistics_are_skipped() {
+    let expected = [[2.5, 1.5], [3.5, -2.0]];
+    for (text, skipped) in [
+        (
+            "Nr,Depth (um),Load (uN)\n0,2.5,1.5\n1,3.5,-2\nMean,3,-0.25\nSD,0.5,1.75\n",
+            [4, 5],
+        ),
+        // ImageJ numbers these rows too.
+        (
+            " ,Label,Depth (um),Load (uN)\n1,a.tif,2.5,1.5\n2,a.tif,3.5,-2\n3,Min,2.5,-2\n4,Max,3.5,1.5\n",
+            [4, 5],
+        ),
+        // The label is above its numbers.
+        (
+            "Depth (um),Load (uN)\n2.5,1.5\n3.5,-2\nMean\n3,-0.25\n",
+            [4, 5],
+        ),
+        // A table of a spreadsheet has tabs; the words need not be known.
+        (
+            "Nr\tDepth (um)\tLoad (uN)\n0\t2.5\t1.5\n1\t3.5\t-2\n2\t\t\n3\t\t\nMitte\t3\t-0.25\n",
+            [6, 6],
+        ),
+    ] {
+        let data = read(text);
+        assert_eq!(values(&data), expected, "{text}");
+        let found = data.layout().skipped.iter();
+        let mut found = found.filter(|skipped| skipped.reason == SkipReason::Text);
+        let lines = &found.next().unwrap().lines;
+        assert_eq!([lines[0], lines[lines.len() - 1]], skipped, "{text}");
+    }
+    // Names of samples and of segments beside the values are no statistics.
+    for text in [
+        "Sample,Depth (um),Load (uN)\nMax,2.5,1.5\nMax,3.5,-2\n",
+        "Depth (um),Load (uN),Event\n2.5,1.5,start\n3.5,-2,max\n",
+    ] {
+        assert_eq!(values(&read(text)), expected, "{text}");
+    }
+}
+
+#[test]
+fn another_heading_between_the_rows_is_refused() {
+    let message = |text: &str| {
+        let error = Measurements::from_csv("data", text.as_bytes(), &[]);
+        error.unwrap_err().to_string()
+    };
+    for second in [
+        "Load (uN),Depth (um)",
+        "Depth (nm),Load (uN)",
+        "Time (s),Temperature (C)",
+        "Time (s),Depth (um),Load (uN)",
+        "Height (um),Deflection (uN)",
+    ] {
+        let text = format!("Depth (um),Load (uN)\n2.5,1.5\n{second}\n3.5,-2\n");
+        let error = message(&text);
+        assert!(
+            error.starts_with("data:3: another heading that differs from that of line 1: save"),
+            "{error}"
+        );
+    }
+    let text = "Depth,Load\num,uN\n2.5,1.5\nDepth,Load\num,mN\n3.5,-2\n";
+    assert!(
+        message(text).starts_with("data:5: a row of units that differs"),
+        "{}",
+        message(text)
+    );
+    let text = "Depth (um) Load (uN)\n2.5 1.5\nDepth (nm) Load (uN)\n3.5 -2\n";
+    assert!(
+        message(text).starts_with("data:3: another heading"),
+        "{}",
+        message(text)
+    );
+    // The same heading again, and markers with words of headings.
+    for between in [
+        "Depth (um),Load (uN)",
+        "depth  (um),Load (uN),",
+        "Load",
+        "Segment 2,load",
+        "Load,hold",
+    ] {
+        let text = format!("Depth (um),Load (uN)\n2.5,1.5\n{between}\n3.5,-2\n");
+        assert_eq!(values(&read(&text)), [[2.5, 1.5], [3.5, -2.0]], "{text}");
+    }
+}
