@@ -101,12 +101,190 @@ impl Evidence {
         }
     }
 
-    /// The notation of the file.
-    pub(super) fn notation(&self) -> Notation {
+    /// Whether a number shows which mark is the decimal one.
+    pub(super) fn is_decided(&self) -> bool {
+        self.point || self.comma
+    }
+
+    /// Whether numbers have decimal points.
+    pub(super) fn has_points(&self) -> bool {
+        self.point
+    }
+
+    /// The notation of a file with these columns.
+    pub(super) fn notation(&self, columns: &[Marks], separator: char) -> Result<Reading, Doubt> {
+        let has_thousands = || {
+            let mut columns = columns.iter();
+            self.points_of_thousands
+                || columns.any(|column| column.points && column.has_plain_below_thousand())
+        };
         match (self.point, self.comma) {
-            (true, false) => Notation::Point,
-            (false, true) if self.points_of_thousands => Notation::Comma,
-            _ => Notation::Single,
+            (true, false) => Ok(Reading::sure(Notation::Point)),
+            (false, true) if has_thousands() => Ok(Reading::sure(Notation::Comma)),
+            (false, false) => undecided(columns, separator),
+            _ => Ok(Reading::sure(Notation::Single)),
+        }
+    }
+}
+
+/// How the numbers of a file are read.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Reading {
+    pub(super) notation: Notation,
+    /// Whether another notation is possible, but unusual.
+    pub(super) is_assumed: bool,
+}
+
+impl Reading {
+    fn sure(notation: Notation) -> Self {
+        Self {
+            notation,
+            is_assumed: false,
+        }
+    }
+}
+
+/// A column whose numbers may have decimal marks or separators of thousands: its place among those that were given.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Doubt(pub(super) usize);
+
+/// Numbers of a column some of which have one mark before three digits, such as `1,024`: a decimal mark, or a separator of thousands.
+#[derive(Debug, Default)]
+pub(super) struct Marks {
+    /// The column is a time, which is often counted in whole numbers.
+    is_time: bool,
+    /// The first such number, with its line.
+    pub(super) first: Option<(u64, String)>,
+    commas: bool,
+    points: bool,
+    /// The largest whole number without a mark.
+    largest_plain: f64,
+    /// Changes between rows with decimal marks, and with separators of thousands.
+    steps: [Steps; 2],
+}
+
+impl Marks {
+    pub(super) fn new(is_time: bool) -> Self {
+        Self {
+            is_time,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn add(&mut self, line: u64, text: &str) {
+        let plain = without_blanks(text);
+        let of = |text: &str| number(text, Notation::Single)?.parse::<f64>().ok();
+        let Some(decimal) = of(&plain).filter(|value| value.is_finite()) else {
+            return;
+        };
+        let is_mark = |mark: &char| plain.matches(*mark).count() == 1 && is_grouped(&plain, *mark);
+        let mark = [',', '.'].into_iter().find(is_mark);
+        if mark.is_none() && !plain.contains(|c: char| !c.is_ascii_digit() && c != '-' && c != '+')
+        {
+            self.largest_plain = self.largest_plain.max(decimal.abs());
+        }
+        self.commas |= mark == Some(',');
+        self.points |= mark == Some('.');
+        let whole = mark.map_or(decimal, |_| 1000.0 * decimal);
+        if mark.is_some() {
+            self.first.get_or_insert_with(|| (line, text.to_owned()));
+        }
+        self.steps[0].add(decimal);
+        self.steps[1].add(whole);
+    }
+
+    /// Whether there are whole numbers other than 0 below 1000, and none above it.
+    pub(super) fn has_plain_below_thousand(&self) -> bool {
+        (1.0..1000.0).contains(&self.largest_plain)
+    }
+
+    /// Whether the marks separate thousands, if the column shows it: whole numbers from 1000 on have no mark, or the numbers jump in one of the
+    /// notations alone, as from 923 to 1.024.
+    fn are_thousands(&self) -> Option<bool> {
+        /// Ratio of the largest changes that decides.
+        const JUMP: f64 = 2.0;
+        let [decimal, thousands] = [0, 1].map(|k: usize| self.steps[k].largest_part());
+        match () {
+            () if self.largest_plain >= 1000.0 => Some(false),
+            () if !self.has_plain_below_thousand() => None,
+            () if decimal >= JUMP * thousands => Some(true),
+            () if thousands >= JUMP * decimal => Some(false),
+            () => None,
+        }
+    }
+
+    /// Whether the numbers would jump with decimal points.
+    fn jumps(&self) -> bool {
+        self.has_plain_below_thousand()
+            && self.largest_plain >= 100.0
+            && self.steps[0].largest_part() > 0.5
+    }
+}
+
+/// Changes between the rows of a column.
+#[derive(Debug, Default)]
+struct Steps {
+    last: Option<f64>,
+    least: f64,
+    most: f64,
+    largest: f64,
+}
+
+impl Steps {
+    fn add(&mut self, value: f64) {
+        match self.last {
+            None => (self.least, self.most) = (value, value),
+            Some(last) => {
+                self.least = self.least.min(value);
+                self.most = self.most.max(value);
+                self.largest = self.largest.max((value - last).abs());
+            }
+        }
+        self.last = Some(value);
+    }
+
+    /// The largest change, as a fraction of the range.
+    fn largest_part(&self) -> f64 {
+        match self.most - self.least {
+            range if range > 0.0 => self.largest / range,
+            _ => 0.0,
+        }
+    }
+}
+
+/// The notation of a file no number of which decides it: every number with a mark has three digits behind it.
+///
+/// Decimal points are usual, and so are decimal commas where commas do not separate the columns: then numbers that all have marks, or whole
+/// numbers from 1000 on without one, are read with them.
+fn undecided(columns: &[Marks], separator: char) -> Result<Reading, Doubt> {
+    let has = |mark: fn(&Marks) -> bool| columns.iter().position(mark);
+    let (commas, points) = (has(|column| column.commas), has(|column| column.points));
+    let shows = |wanted: bool| {
+        let mut marked = columns.iter();
+        marked.position(|column| column.first.is_some() && column.are_thousands() == Some(wanted))
+    };
+    let single = |is_assumed| {
+        Ok(Reading {
+            notation: Notation::Single,
+            is_assumed,
+        })
+    };
+    match (commas, points, shows(true), shows(false)) {
+        // Rows with both marks are refused one by one.
+        (Some(_), Some(_), _, _) | (None, None, _, _) => single(false),
+        (_, _, Some(column), Some(_)) => Err(Doubt(column)),
+        (Some(_), _, Some(_), None) => Ok(Reading::sure(Notation::Point)),
+        (None, _, Some(_), None) => Ok(Reading::sure(Notation::Comma)),
+        (_, _, None, Some(_)) => single(false),
+        (None, Some(_), None, None) => has(Marks::jumps).map_or(single(false), |it| Err(Doubt(it))),
+        (Some(column), None, None, None) => {
+            let mut others = columns.iter().filter(|column| !column.is_time);
+            let is_usual = others.clone().any(|column| column.largest_plain >= 1000.0)
+                || !others.any(Marks::has_plain_below_thousand);
+            match is_usual && separator != ',' {
+                true => single(true),
+                false => Err(Doubt(column)),
+            }
         }
     }
 }
@@ -210,7 +388,7 @@ mod tests {
         let read = |texts: &[&str]| -> Vec<Option<String>> {
             let mut evidence = Evidence::default();
             texts.iter().for_each(|text| evidence.add(text));
-            let notation = evidence.notation();
+            let notation = evidence.notation(&[], ';').unwrap().notation;
             texts.iter().map(|text| number(text, notation)).collect()
         };
         let some = |texts: &[&str]| -> Vec<Option<String>> {

@@ -5,8 +5,8 @@
 //! used; the [`Layout`] lists them.
 
 use super::cells::{
-    BLANKS, Evidence, Notation, SEPARATORS, cells, comment, is_comment, is_not_measured, is_number,
-    number,
+    BLANKS, Doubt, Evidence, Marks, Notation, SEPARATORS, cells, comment, is_comment,
+    is_not_measured, is_number, number,
 };
 use super::column::{Column, DataError};
 use super::heading::{
@@ -288,6 +288,27 @@ impl Reader<'_> {
         Ok(heading)
     }
 
+    /// The error for numbers that may have decimal marks or separators of thousands.
+    fn doubt(&self, used: &Used, marks: &Marks, headings: &[String]) -> DataError {
+        let heading = &headings[used.place];
+        let (line, text) = match &marks.first {
+            Some((line, text)) => (Some(*line), &text[..]),
+            None => (None, ""),
+        };
+        let whole = text.replace([',', '.'], "");
+        let decimal = text.replace(',', ".");
+        let quantity = used.column.quantity();
+        let thousands = match marks.has_plain_below_thousand() {
+            true => String::new(),
+            false => format!(", or {quantity}=\"{heading}*1000\" if it is {whole}"),
+        };
+        let problem = format!(
+            "\"{text}\" may be {decimal} or {whole}, and no other number decides it: write the numbers without separators of thousands, or name the column by \
+             hand: {quantity}=\"{heading}\" if it is {decimal}{thousands}"
+        );
+        self.fail(line, Some(heading), problem)
+    }
+
     /// Checks that the units in the headings of used columns are those of the row of units.
     fn check_units(
         &self,
@@ -419,23 +440,63 @@ impl Reader<'_> {
         };
         let is_row =
             |text: &str| !text.trim().is_empty() && !is_comment(text, separator, headings.len());
-        let mut evidence = Evidence::default();
+        // Columns that are not used decide the notation if the others do not; those named by hand are read as the user names them.
+        let [mut evidence, mut of_others] = [Evidence::default(), Evidence::default()];
         let mut seen = vec![Seen::default(); headings.len()];
-        for text in lines.iter().skip(first).filter(|text| is_row(text)) {
+        let used = heading.used.iter();
+        let used = used.filter(|used| used.column != Column::Branch);
+        let used: Vec<&Used> = used.collect();
+        let is_doubtful = |used: &&&Used| !heading.layout.columns[used.place].by_hand;
+        let doubtful: Vec<&Used> = used.iter().filter(is_doubtful).copied().collect();
+        let marks = doubtful.iter();
+        let marks = marks.map(|used| Marks::new(used.column == Column::Time));
+        let mut marks: Vec<Marks> = marks.collect();
+        let is_used: Vec<bool> = (0..headings.len())
+            .map(|place| used.iter().any(|used| used.place == place))
+            .collect();
+        for (index, text) in lines.iter().enumerate().skip(first) {
+            if !is_row(text) {
+                continue;
+            }
             let cells = cells_of(text);
             if cells.len() != headings.len() {
                 continue;
             }
-            let counted = seen.iter_mut().zip(&cells);
-            counted.for_each(|(seen, cell)| seen.add(cell));
-            let used = heading.used.iter();
-            used.filter(|used| used.column != Column::Branch)
-                .for_each(|used| evidence.add(&cells[used.place]));
+            let counted = cells.iter().zip(&mut seen).zip(&is_used);
+            for ((cell, seen), is_used) in counted {
+                seen.add(cell);
+                match is_used {
+                    true => evidence.add(cell),
+                    false if is_number(cell) => of_others.add(cell),
+                    false => {}
+                }
+            }
+            if !evidence.has_points() {
+                for (marks, used) in marks.iter_mut().zip(&doubtful) {
+                    marks.add(number(index), &cells[used.place]);
+                }
+            }
+        }
+        let evidence = match evidence.is_decided() {
+            true => evidence,
+            false => of_others,
+        };
+        let reading = match evidence.notation(&marks, separator) {
+            Ok(reading) => reading,
+            Err(Doubt(place)) => {
+                return Err(self.doubt(doubtful[place], &marks[place], &headings));
+            }
+        };
+        let first_marked = marks.iter().find_map(|marks| marks.first.clone());
+        if let (true, Some((line, text))) = (reading.is_assumed, first_marked) {
+            heading.layout.notes.push(format!(
+                "\"{text}\" in line {line} is read with a decimal comma; no number of the file shows whether commas separate thousands"
+            ));
         }
         let used = heading.used.iter().map(|used| used.place);
         let labels = used.min().unwrap_or(0);
         let mut rows = Rows {
-            notation: evidence.notation(),
+            notation: reading.notation,
             label: label.and_then(branch_of),
             ..Rows::default()
         };

@@ -399,3 +399,102 @@ fn another_heading_between_the_rows_is_refused() {
         assert_eq!(values(&read(&text)), [[2.5, 1.5], [3.5, -2.0]], "{text}");
     }
 }
+
+#[test]
+fn thousands_are_recognised_or_refused() {
+    // Depths in nm every 100 nm and forces in uN, as instruments and spreadsheets write them.
+    let file = |headings: &str, write: &dyn Fn(i32) -> [String; 2], separator: &str| {
+        let rows = (0..40).map(|k| write(100 * k - 100).join(separator) + "\n");
+        format!("{headings}\n{}", rows.collect::<String>())
+    };
+    let force = |depth: i32| (depth / 100) * (depth / 100);
+    let grouped = |value: i32, mark: &str| match value {
+        value if value.abs() < 1000 => value.to_string(),
+        value => format!("{}{mark}{:03}", value / 1000, value % 1000),
+    };
+    let fixed = |value: f64, mark: &str| format!("{value:.3}").replace('.', mark);
+    let expected: Vec<[f64; 2]> = (0..40)
+        .map(|k| 100 * k - 100)
+        .map(|depth| [f64::from(depth) / 1000.0, f64::from(force(depth))])
+        .collect();
+    let nm = "Depth (nm);Load (uN)";
+    let semicolons = |mark: &str| file(nm, &|z| [grouped(z, mark), grouped(force(z), mark)], ";");
+    let quoted = |z| [grouped(z, ","), grouped(force(z), ",")].map(|cell| format!("\"{cell}\""));
+    let um = "Depth (um);Load (uN)";
+    let in_um = |z: i32| f64::from(z) / 1000.0;
+    for text in [
+        // From 900 to 1.000: a jump, unless they are thousands.
+        semicolons(","),
+        semicolons("."),
+        file("\"Depth (nm)\",\"Load (uN)\"", &quoted, ","),
+        // The other column has the other mark.
+        file(
+            nm,
+            &|z| [grouped(z, "."), fixed(f64::from(force(z)), ",")],
+            ";",
+        ),
+        file(
+            nm,
+            &|z| [grouped(z, ","), fixed(f64::from(force(z)), ".")],
+            ";",
+        ),
+        // Three decimals, with a number below 1 or a whole number above 1000.
+        file(
+            um,
+            &|z| [fixed(in_um(z), "."), fixed(f64::from(force(z)), ".")],
+            ";",
+        ),
+        file(
+            um,
+            &|z| [fixed(in_um(z), ","), fixed(f64::from(force(z)), ",")],
+            ";",
+        ),
+        file(um, &|z| [fixed(in_um(z), "."), force(z).to_string()], ";"),
+        file(um, &|z| [fixed(in_um(z), ","), force(z).to_string()], ";"),
+    ] {
+        assert_eq!(values(&read(&text)), expected, "{text}");
+    }
+    let message = |text: &str| {
+        let error = Measurements::from_csv("data", text.as_bytes(), &[]);
+        error.unwrap_err().to_string()
+    };
+    // All depths are from 1000 on: nothing decides.
+    let far = |z: i32| {
+        [
+            format!("\"{}\"", grouped(z + 20_800, ",")),
+            (z / 10).to_string(),
+        ]
+    };
+    let text = file("\"Depth (nm)\",\"Load (uN)\"", &far, ",");
+    let error = message(&text);
+    assert!(
+        error.starts_with("data:2: Depth (nm): \"20,700\" may be 20.700 or 20700"),
+        "{error}"
+    );
+    assert!(
+        error.contains("displacement=\"Depth (nm)*1000\" if it is 20700"),
+        "{error}"
+    );
+    let data = read_by_hand(&text, &["displacement=Depth (nm)*1000"], None);
+    assert_eq!(values(&data)[0][0], 20.7);
+    let data = read_by_hand(&text, &["displacement=Depth (nm)"], None);
+    assert_eq!(values(&data)[0][0], 0.0207);
+    // A curve of radii over loads.
+    let error = message("Load (mN);Contact radius (nm)\n7;17,380\n8;18,120\n");
+    assert!(
+        error.starts_with("data:2: Contact radius (nm): \"17,380\" may be"),
+        "{error}"
+    );
+    // Decimal commas in all numbers of a file with semicolons are usual; it is said.
+    let data = read("Depth (um);Load (uN)\n1,071;1,019\n1,156;1,029\n");
+    assert_eq!(values(&data), [[1.071, 1.019], [1.156, 1.029]]);
+    assert!(lines(&data).contains("\"1,071\" in line 2 is read with a decimal comma"));
+    // Points with three decimals are decimal points, also beside some whole numbers.
+    for text in [
+        "Depth (um),Load (uN)\n1.071,1.019\n1.156,1.029\n",
+        "Depth (um),Load (uN)\n1.071,1.019\n2,3.500\n",
+        "Time (s);Depth (um);Load (uN)\n1;1,071;1,019\n2;2,000;3,500\n",
+    ] {
+        assert_eq!(values(&read(text))[0], [1.071, 1.019], "{text}");
+    }
+}
