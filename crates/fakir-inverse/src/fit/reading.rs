@@ -20,6 +20,7 @@ use super::segments::{
 use super::units::{Scale, example_unit, is_unit};
 use fakir::state::Branch;
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 /// The error for a file that contains zeros or damaged characters.
 const NO_TEXT: &str =
@@ -198,8 +199,8 @@ impl Reader<'_> {
                 let scale = match &unit {
                     _ if column == Column::Branch => Ok(None),
                     _ if !candidate.by_hand && has_factor(&split_unit(heading).0) => Err(format!(
-                        "a factor or a power in the heading, which is not applied: name the column by hand with the factor that its numbers take, \
-                             as {}=\"{heading}*0.001\"",
+                        "a factor or a power in the heading, which is not applied: write the quantity itself, or name the column by hand with the factor that its \
+                             numbers take, as {}=\"{heading}*0.001\"",
                         column.quantity()
                     )),
                     Some(unit) => Scale::of(column, unit, &candidate.factors).map(Some),
@@ -1138,10 +1139,14 @@ impl Search<'_> {
                     }
                     let are_beside = are_branches_beside(&headings, self.hints);
                     let known = headings.iter().enumerate();
-                    let known = known
+                    let known: Vec<&String> = known
                         .filter(|(place, heading)| self.knows(*place, heading, are_beside))
-                        .count();
-                    (known >= self.least).then(|| {
+                        .map(|(_, heading)| heading)
+                        .collect();
+                    // A line of LabVIEW before the heading names the same quantity for every channel.
+                    let different = known.iter().collect::<HashSet<_>>().len();
+                    let known = known.len();
+                    (different >= self.least).then(|| {
                         let place = Place {
                             separator: *separator,
                             line: Some(index),

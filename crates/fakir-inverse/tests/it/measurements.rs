@@ -59,6 +59,8 @@ fn separators_units_and_numbers() {
         "displacement_um,force_uN\n#DIV/0!,#NV\n2.5,1.5\n3.0,#WERT!\n3.5,-2\n-nan,+NaN\n-nan(ind),-1.#IND\n",
         // Exponents of Fortran.
         "displacement_m force_N\n 2.5D-06 1.5D-06\n 3.5D-06 -2.0d-06\n",
+        // A header of LabVIEW, in which a line names the same quantity for every channel.
+        "X_Dimension\tTime\tTime\nX0\t0\t0\nX_Value\tDisplacement (um)\tForce (uN)\tComment\n0\t2.5\t1.5\n1\t3.5\t-2\n",
         // LabVIEW: the last cell of a row, that of the comment, is missing.
         "Time (s)\tDisplacement (um)\tForce (uN)\tComment\n0\t2.5\t1.5\tbegin\n1\t3.5\t-2\n",
         // Thousands.
