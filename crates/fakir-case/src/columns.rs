@@ -1,6 +1,6 @@
 //! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
-use crate::table_text::{cells, read_table};
+use crate::table_text::{cells, is_statistic, read_table};
 use crate::unit::{Dimension, parse_quantity};
 use std::borrow::Cow;
 use std::f64::consts::PI;
@@ -208,6 +208,17 @@ impl<const N: usize> Columns<N> {
                     row.len(),
                     headings.len()
                 );
+                return Err(wrong(index, problem));
+            }
+            // ImageJ writes the mean and others of all particles below them.
+            let is_used = |place: usize| places.iter().flatten().any(|used| used.place == place);
+            let label = row
+                .iter()
+                .enumerate()
+                .find(|(place, cell)| !is_used(*place) && is_statistic(cell));
+            if let Some((_, label)) = label {
+                let problem =
+                    format!("\"{label}\" labels a statistic of the other rows: remove this row");
                 return Err(wrong(index, problem));
             }
             let mut values = otherwise;

@@ -276,6 +276,11 @@ mod tests {
         assert!(wrong("x_um,y\n0,0").contains("column \"y\" has no unit"));
         assert!(wrong("x_px,y [px]\n0,0").contains("there is no column \"x_px\""));
         assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in the unknown unit \"px\""));
+        let statistic = wrong(" ,Label,X [m],Y [m]\n1,a.tif,0,0\n2,a.tif,1,0\n3,Mean,0.5,0\n");
+        assert!(
+            statistic.contains("line 4: \"Mean\" labels a statistic"),
+            "{statistic}"
+        );
         let overlap = wrong("x_m,y_m\n0,0\n1,0\n# here\n4e-6,0\n");
         assert!(
             overlap.contains("line 5: this pillar overlaps with that of line 2"),

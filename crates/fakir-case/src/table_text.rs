@@ -65,3 +65,42 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
     }
     cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
+
+/// Whether a label of a row names a statistic of the other rows: `Mean`, `SD`.
+#[must_use]
+pub fn is_statistic(label: &str) -> bool {
+    const STATISTICS: [&str; 27] = [
+        "mean",
+        "average",
+        "avg",
+        "sd",
+        "std",
+        "stdev",
+        "std dev",
+        "standard deviation",
+        "sem",
+        "min",
+        "max",
+        "minimum",
+        "maximum",
+        "sum",
+        "total",
+        "median",
+        "variance",
+        "range",
+        "count",
+        "cv",
+        "rsd",
+        "mittelwert",
+        "mittel",
+        "stabw",
+        "standardabweichung",
+        "summe",
+        "moyenne",
+    ];
+    if !label.starts_with(char::is_alphabetic) {
+        return false;
+    }
+    let plain = label.trim_end_matches(':').replace('.', "");
+    STATISTICS.contains(&&plain.to_lowercase()[..])
+}

@@ -19,6 +19,7 @@ use super::segments::{
 };
 use super::units::{Scale, example_unit, is_unit};
 use fakir::state::Branch;
+use fakir_case::table_text::is_statistic;
 use std::borrow::Cow;
 use std::collections::HashSet;
 
@@ -1008,41 +1009,6 @@ impl Seen {
             self.statistics += usize::from(is_statistic(cell));
         }
     }
-}
-
-/// Whether a word names a statistic of the rows above.
-fn is_statistic(text: &str) -> bool {
-    const STATISTICS: [&str; 27] = [
-        "mean",
-        "average",
-        "avg",
-        "sd",
-        "std",
-        "stdev",
-        "std dev",
-        "standard deviation",
-        "sem",
-        "min",
-        "max",
-        "minimum",
-        "maximum",
-        "sum",
-        "total",
-        "median",
-        "variance",
-        "range",
-        "count",
-        "cv",
-        "rsd",
-        "mittelwert",
-        "mittel",
-        "stabw",
-        "standardabweichung",
-        "summe",
-        "moyenne",
-    ];
-    let plain = text.trim_end_matches([':', '.']).replace('.', "");
-    STATISTICS.contains(&&plain.to_lowercase()[..])
 }
 
 /// Whether a row summarises others: a word in its first cell where most rows have numbers, or the name of a statistic before the
