@@ -478,9 +478,9 @@ fn thousands_are_recognised_or_refused() {
         "{error}"
     );
     let data = read_by_hand(&text, &["displacement=Depth (nm)*1000"], None);
-    assert_eq!(values(&data)[0][0], 20.7);
+    assert_eq!(values(&data)[..1], [[20.7, -10.0]]);
     let data = read_by_hand(&text, &["displacement=Depth (nm)"], None);
-    assert_eq!(values(&data)[0][0], 0.0207);
+    assert_eq!(values(&data)[..1], [[0.0207, -10.0]]);
     // A curve of radii over loads.
     let error = message("Load (mN);Contact radius (nm)\n7;17,380\n8;18,120\n");
     assert!(
@@ -497,6 +497,6 @@ fn thousands_are_recognised_or_refused() {
         "Depth (um),Load (uN)\n1.071,1.019\n2,3.500\n",
         "Time (s);Depth (um);Load (uN)\n1;1,071;1,019\n2;2,000;3,500\n",
     ] {
-        assert_eq!(values(&read(text))[0], [1.071, 1.019], "{text}");
+        assert_eq!(values(&read(text))[..1], [[1.071, 1.019]], "{text}");
     }
 }
