@@ -204,7 +204,15 @@ impl Route {
                 };
                 let others = variations.map(|variation| Ok(varied(variation, &|_| {})?.figures()));
                 let others: Vec<Figures> = others.into_iter().collect::<Result<_, SolveError>>()?;
-                let errors = loaded.figures().errors(&others).times(safety);
+                let mut errors = loaded.figures().errors(&others).times(safety);
+                let left_out = loaded.left_out();
+                errors.turn_force += left_out;
+                let share = loaded
+                    .turn
+                    .floor
+                    .as_ref()
+                    .map_or(1.0, |floor| floor.share.abs());
+                errors.turn_share += left_out / share;
                 loaded.loading.floor = Some(FloorResolution { errors, ..floor });
             }
             loaded.weigh();
@@ -220,6 +228,8 @@ struct Loading<'a> {
     path: Path<'a>,
     /// Numerical resolution of the floor; `None` unless it was touched.
     floor: Option<FloorResolution>,
+    /// Work of adhesion of the floor that is left out, as the cells do not resolve it.
+    left_out: f64,
     /// Whether a jump of a top into contact brought the lens to the floor, so that the critical state is where the top jumps.
     floor_in_jump: bool,
 }
@@ -264,6 +274,7 @@ impl<'a> Loading<'a> {
             accuracy,
             path,
             floor: None,
+            left_out: 0.0,
             floor_in_jump: false,
         })
     }
@@ -359,7 +370,21 @@ impl<'a> Loading<'a> {
         let patch = widths.map_or(0.0, |[_, patch]| patch);
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
-        self.path.attach_floor(lowest, division, window)
+        self.path.attach_floor(lowest, division, window)?;
+        let is_touched = self
+            .path
+            .floor
+            .as_ref()
+            .is_some_and(|floor| floor.bonded() > 0);
+        match self.path.floor_works {
+            // The first patch is smaller than the cells: so little adhesion is left out, with an error that covers it.
+            Some(works) if !is_touched && self.path.failed.is_none() => {
+                self.left_out = works.advancing;
+                self.path.floor_works = None;
+                self.attach_floor(lowest, end)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Width of the narrowest free ring around a pillar that the lens may touch in a loading to a prescribed end, from the closed form
@@ -547,6 +572,15 @@ impl Loaded<'_> {
             pull_off: strongest.map(|pull| stations[pull.station].force),
             loop_area: closed.then_some(path.energies.work),
         }
+    }
+
+    /// Bound of the force that the adhesion of the floor that is left out adds, relative to the force: that of a whole contact of the radius on the
+    /// floor at the same indentation (Johnson, Kendall, Roberts).
+    fn left_out(&self) -> f64 {
+        let (turn, scene) = (&self.turn, self.loading.path.scene);
+        let radius = turn.floor.as_ref().map_or(0.0, |floor| floor.radius) / scene.length;
+        let force = (8.0 * PI * self.loading.left_out * radius.powi(3)).sqrt();
+        force * scene.force() / turn.force.abs()
     }
 
     /// Adds the floor errors to the error estimates of the contact at the end of loading.
@@ -831,7 +865,9 @@ fn contact_of(path: &Path<'_>, indentation: f64, tops: &[AttachedTop]) -> HeldCo
 /// The current contact, including the floor.
 fn current_contact(path: &Path<'_>) -> HeldContact {
     let tops = contact_of(path, path.indentation(), &path.attached_tops());
-    let Some(load) = path.bonded_load() else {
+    // Cells may be too large to carry the first load of a floor without adhesion.
+    let is_loaded = path.floor.as_ref().is_some_and(|floor| floor.bonded() > 0);
+    let Some(load) = path.bonded_load().filter(|_| is_loaded) else {
         return tops;
     };
     let fields = (*tops.fields).clone();

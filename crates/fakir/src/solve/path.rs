@@ -161,7 +161,7 @@ pub(crate) struct Path<'a> {
     pub(crate) left_open: f64,
     pub(crate) strongest: Option<StrongestPull>,
     /// Why there is no solution, if there is none.
-    failed: Option<Termination>,
+    pub(super) failed: Option<Termination>,
 }
 
 impl<'a> Path<'a> {
@@ -784,10 +784,22 @@ impl<'a> Path<'a> {
                 }
                 return Ok(round > 0);
             }
-            for (pillar, next) in chosen {
-                self.tops.domains[pillar] = next;
+            let present: Vec<Domain> = chosen.iter().map(|(p, _)| self.tops.domains[*p]).collect();
+            let coupled = self
+                .floor
+                .as_ref()
+                .map_or(f64::INFINITY, |floor| floor.reach);
+            for (pillar, next) in &chosen {
+                self.tops.domains[*pillar] = *next;
             }
+            let is_coupled = self.reach() <= coupled;
             self.fit_floor(course)?;
+            if !is_coupled {
+                // The loads of these tops lacked the displacement by the floor, with which they may not be touched.
+                for ((pillar, _), present) in chosen.iter().zip(present) {
+                    self.tops.domains[*pillar] = present;
+                }
+            }
             if beta != 0.0 {
                 self.solve_unit()?;
             }
