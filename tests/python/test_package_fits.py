@@ -87,6 +87,18 @@ def test_curves_that_cannot_be_fitted(system, tmp_path):
         fakir.fit([FILES[0], FILES[1]], system, FREE)
 
 
+def test_curves_of_a_flat_surface():
+    """Hertz under a rigid paraboloid: F = 4/3 E* sqrt(R) zeta^(3/2), of 1.7 MPa."""
+    system = fakir.FlatSystem(fakir.ParaboloidLens("2 mm", 1e18, 0.3), fakir.Substrate("1 MPa", 0.5))
+    depth = np.linspace(-0.5e-6, 3e-6, 40)
+    force = 4 / 3 * 1.7e6 / 0.75 * 2e-3**0.5 * np.maximum(depth, 0) ** 1.5 + 1e-7 * (-1.0) ** np.arange(40)
+    curves = {name: {"displacement_m": depth + point, "force_N": force} for name, point in (("a", 0), ("b", 1e-6))}
+    fits = fakir.fit_many(curves, system, FREE)
+    assert fits["substrate.young_modulus"].mean == pytest.approx(1.7e6, rel=1e-3)
+    alone = fakir.fit(curves["b"], system, FREE)
+    assert fits.curves[1].fit["contact_point"] == alone["contact_point"]
+
+
 @pytest.fixture(scope="module")
 def joint(system):
     return fakir.fit_many(FILES[:2], system, FREE, joint=True, **COMPLIANCE)

@@ -411,6 +411,47 @@ fn several_files_are_fitted_separately() {
     );
 }
 
+/// Two spots of a flat sample, of the closed form of Hertz: `F = 4/3 E* sqrt(R) zeta^(3/2)` with 1.7 MPa, 0.5 and 2 mm under a rigid lens.
+#[test]
+fn several_files_of_a_flat_surface_are_fitted_separately() {
+    let bench = Bench::new();
+    let case = "[lens]\nshape = \"paraboloid\"\nradius = \"2 mm\"\nyoung_modulus = \"1e9 GPa\"\npoisson_ratio = 0.3\n\
+                [substrate]\nyoung_modulus = \"1 MPa\"\npoisson_ratio = 0.5\n";
+    bench.write("flat.toml", case);
+    for (name, point) in [("one.csv", 0.5e-6), ("two.csv", 1e-6)] {
+        let mut text = "displacement_m,force_N\n".to_owned();
+        for row in 0..40 {
+            let reading = 0.1e-6 * f64::from(row);
+            let depth = (reading - point).max(0.0);
+            let ripple = if row % 2 == 0 { 1e-7 } else { -1e-7 };
+            let force = 4.0 / 3.0 * 1.7e6 / 0.75 * 2e-3f64.sqrt() * depth.powf(1.5) + ripple;
+            text += &format!("{reading:e},{force:e}\n");
+        }
+        bench.write(name, &text);
+    }
+    let options = [
+        "--case",
+        "flat.toml",
+        "--free",
+        "substrate.young_modulus,contact_point",
+        "--quiet",
+    ];
+    let arguments = several(&["one.csv", "two.csv"], &options);
+    let result = bench.json(&[&arguments[..], &["--output", "results"]].concat());
+    let modulus = result["parameters"][0]["mean_Pa"].as_f64().unwrap();
+    assert!((modulus / 1.7e6 - 1.0).abs() < 1e-3, "{result}");
+    assert_eq!(result["method"], "flat");
+    let alone = bench.json(&several(&["two.csv"], &options));
+    assert_eq!(
+        result["curves"][1]["fit"]["parameters"],
+        alone["parameters"]
+    );
+    let saved = bench.files("results");
+    assert!(saved.contains(&"fits.svg".to_owned()), "{saved:?}");
+    let text = bench.result(&arguments);
+    assert!(text.contains("flat surface under a paraboloid"), "{text}");
+}
+
 #[test]
 fn bad_input_of_several_files_ends_with_status_2() {
     let bench = Bench::new();

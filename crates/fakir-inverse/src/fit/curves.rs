@@ -5,6 +5,7 @@ use super::measurements::Measurements;
 use super::options::FitOptions;
 use super::parameter::Parameter;
 use super::statistics::{Outlier, Sample, Statistics};
+use super::subject::Subject;
 use super::{Fit, fit};
 use fakir::problem::Question;
 use fakir::state::{Run, SolveError};
@@ -109,7 +110,7 @@ impl CurveFits {
                 parameter.set(&mut mean, found.mean);
             }
         }
-        match mean.case() {
+        match Subject::of(&mean) {
             Ok(_) => mean,
             Err(_) => file.clone(),
         }
@@ -129,7 +130,7 @@ pub fn fit_curves(
     done: &(dyn Fn() + Sync),
 ) -> Result<CurveFits, FitError> {
     file.check_surface(&[Question::Fit])?;
-    file.case()?;
+    Subject::of(file)?;
     // The curves are computed on different threads, and a progress report would mix them.
     let of_one = Run {
         progress: None,

@@ -26,7 +26,7 @@ const TRUE_WORK: f64 = 45e-3;
 const TRUE_POINT: f64 = 4e-6;
 const TRUE_OFFSET: f64 = 3e-6;
 
-fn file(overrides: &[&str]) -> CaseFile {
+pub(crate) fn file(overrides: &[&str]) -> CaseFile {
     let mut file = CaseFile::parse("flat.toml", FLAT).unwrap();
     for argument in overrides {
         file.set(argument).unwrap();

@@ -26,7 +26,7 @@ const TRUE_POINT: f64 = 4e-6;
 const MEMORY: usize = 1_000_000_000;
 
 /// Heights in micrometres, on cells of 2 um.
-fn map(height: impl Fn(f64, f64) -> f64, overrides: &[&str]) -> CaseFile {
+pub(crate) fn map(height: impl Fn(f64, f64) -> f64, overrides: &[&str]) -> CaseFile {
     let mut heights = String::new();
     for row in 0..CELLS {
         for column in 0..CELLS {
