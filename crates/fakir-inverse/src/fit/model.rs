@@ -1102,7 +1102,10 @@ impl<'a> Model<'a> {
             system = system.with_adhesion(adhesion).map_err(SolveError::from)?;
         }
         let largest = self.largest_load(settings);
-        let branches = system.branches(mode, largest, &self.single)?;
+        let mut branches = system.branches(mode, largest, &self.single)?;
+        if self.data.rows().len() > SOLVED {
+            branches = branches.interpolated();
+        }
         self.solved.fetch_add(1, Ordering::Relaxed);
         let needs_slopes = {
             let mut rows = self.data.rows().iter();
@@ -1137,6 +1140,8 @@ impl<'a> Model<'a> {
             if needs_slopes {
                 let reach = STEP * largest.abs();
                 let [below, above] = [-reach, reach].map(|step| step_at(number, load + step));
+        /// Up to this number of rows, every contact is solved.
+        const SOLVED: usize = 64;
                 if let (Ok(below), Ok(above)) = (below, above) {
                     slopes = [
                         (above.force - below.force) / (2.0 * reach),

@@ -195,6 +195,40 @@ fn parameters_of_jkr_are_found_again() {
     close(value(&found, WORK), TRUE_WORK, 1e-6);
 }
 
+/// Ten thousand rows, which are interpolated over the contact radius, give the parameters of closed forms to within their intervals: of Hertz, and of
+/// a cycle of Johnson, Kendall and Roberts.
+#[test]
+fn ten_thousand_rows_are_fitted() {
+    const ROWS: i32 = 5000;
+    let of = [reduced(TRUE_MODULUS), RADIUS, TRUE_WORK];
+    let depths = (0..ROWS).map(|k| 1e-6 * (-3.75 + 8.75 * f64::from(k) / f64::from(ROWS)));
+    let loading = depths.clone().map(|depth| (Branch::Loading, depth));
+    let unloading = depths.rev().map(|depth| (Branch::Unloading, depth));
+    let steps: Vec<(Branch, f64)> = loading.chain(unloading).collect();
+    let displacements: Vec<f64> = steps.iter().map(|step| step.1 + TRUE_POINT).collect();
+    let hertz = |depth: f64| 4.0 / 3.0 * of[0] * RADIUS.sqrt() * depth.max(0.0).powf(1.5);
+    let columns = |force: &dyn Fn(Branch, f64) -> f64| {
+        let forces = steps.iter().map(|(branch, depth)| force(*branch, *depth));
+        let forces = forces.map(|force| force + TRUE_OFFSET).collect();
+        vec![
+            (Column::Displacement, displacements.clone()),
+            (Column::Force, forces),
+        ]
+    };
+    let data = noisy(&columns(&|_, depth| hertz(depth)), 3, 1e-7);
+    let found = fitted(&file(&[]), &data, &[SUBSTRATE, POINT, OFFSET]);
+    close(value(&found, SUBSTRATE), TRUE_MODULUS, 1e-4);
+    assert!(covers(&found, POINT, TRUE_POINT) && covers(&found, OFFSET, TRUE_OFFSET));
+    let data = noisy(
+        &columns(&|branch, depth| jkr_force(of, branch, depth)),
+        4,
+        1e-7,
+    );
+    let found = fitted(&file(&[]), &data, &[SUBSTRATE, WORK, POINT, OFFSET]);
+    close(value(&found, SUBSTRATE), TRUE_MODULUS, 1e-4);
+    close(value(&found, WORK), TRUE_WORK, 1e-3);
+}
+
 /// With a machine of this compliance the displacements are those of its end; with a larger receding work the rim stays at first.
 #[test]
 fn compliance_and_receding_work_are_found_again() {

@@ -6,6 +6,7 @@
 //! A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)). Layers leave it as it is, since near the rim they are half-spaces. So every contact radius has its
 //! indentation and force in closed form, and a prescribed load is met by a search over the radius.
 
+mod chart;
 pub mod fields;
 mod gradient;
 
@@ -22,6 +23,7 @@ use crate::state::{
     Branch, FlatContact, FlatCycle, FlatErrors, FlatLoadStep, Run, SolveError, Termination, Warning,
 };
 use crate::theory::layer::{Disc, Layers};
+use chart::Chart;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
@@ -61,6 +63,24 @@ struct Settled {
     least: f64,
 }
 
+impl Settled {
+    fn reached(&self) -> Reached {
+        Reached {
+            radius: self.radius,
+            indentation: self.indentation,
+            force: self.force,
+        }
+    }
+}
+
+/// A point of the curve of contacts.
+#[derive(Debug, Clone, Copy)]
+struct Reached {
+    radius: f64,
+    indentation: f64,
+    force: f64,
+}
+
 /// What drives a search over the radius.
 #[derive(Debug, Clone, Copy)]
 enum Driver {
@@ -71,11 +91,22 @@ enum Driver {
 }
 
 impl Driver {
-    fn of(self, state: &Settled) -> f64 {
+    fn of(self, state: Reached) -> f64 {
         match self {
             Self::Indentation => state.indentation,
             Self::Force => state.force,
             Self::Machine(compliance) => state.indentation + compliance * state.force,
+        }
+    }
+
+    /// The indentation at which it has a value while the rim is fixed, where the force is linear in the indentation; `level` is the contact at indentation 0.
+    fn pinned(self, target: f64, level: &Settled) -> f64 {
+        match self {
+            Self::Indentation => target,
+            Self::Force => (target - level.force) / level.punch,
+            Self::Machine(compliance) => {
+                (target - compliance * level.force) / (1.0 + compliance * level.punch)
+            }
         }
     }
 }
@@ -98,6 +129,8 @@ struct Bench<'a> {
     finer: f64,
     /// The Gauss rule of the last contact: most contacts have as many points as the one before.
     rule: RefCell<Vec<(f64, f64)>>,
+    /// Interpolation over the radius, if there are many loads.
+    chart: Option<Chart>,
 }
 
 impl<'a> Bench<'a> {
@@ -107,6 +140,7 @@ impl<'a> Bench<'a> {
             layers: Layers::new(system.bodies()),
             finer,
             rule: RefCell::default(),
+            chart: None,
         }
     }
 
@@ -141,6 +175,13 @@ impl<'a> Bench<'a> {
         let at_rim = -(2.0 * PI * work * radius / self.system.reduced_modulus()).sqrt();
         let indentation = (at_rim - disc.at_rim(&bent)) / disc.at_rim(&one);
         self.settled(&disc, [&one, &bent], radius, indentation)
+    }
+
+    /// The point of the curve at a radius, interpolated if there are many loads.
+    fn reached(&self, radius: f64, work: f64) -> Reached {
+        let chart = self.chart.as_ref();
+        let charted = chart.and_then(|chart| chart.at(self, radius, work));
+        charted.unwrap_or_else(|| self.at(radius, work).reached())
     }
 
     /// The contact of a radius at an indentation.
@@ -238,7 +279,7 @@ impl<'a> Bench<'a> {
             return Ok(0.0);
         }
         let most = self.largest();
-        let value = |radius: f64| driver.of(&self.at(radius, work));
+        let value = |radius: f64| driver.of(self.at(radius, work).reached());
         let mut radius = smaller(BELOW_ADHESION * self.length_of_adhesion(work), 0.1 * most);
         let mut best = (radius, value(radius));
         while radius < most {
@@ -257,19 +298,16 @@ impl<'a> Bench<'a> {
         Ok(least(ends, SECTIONS, |log| value(log.exp())).exp())
     }
 
-    /// The contact at which the driver has a value, beyond the radius at which the lens detaches; none if it is below the value there.
+    /// The radius of the contact at which the driver has a value, beyond the radius at which the lens detaches; none if it is below the value there.
     fn meet(
         &self,
         driver: Driver,
         target: f64,
         work: f64,
         from: f64,
-    ) -> Result<Option<Settled>, SolveError> {
+    ) -> Result<Option<f64>, SolveError> {
         let most = self.largest();
-        let off = |radius: f64| {
-            let state = self.at(radius, work);
-            driver.of(&state) - target
-        };
+        let off = |radius: f64| driver.of(self.reached(radius, work)) - target;
         let at = |position: f64, value: f64| Point { position, value };
         // Up from a radius that is certainly too small, in steps that grow.
         let mut low = if from > 0.0 {
@@ -303,8 +341,9 @@ impl<'a> Bench<'a> {
             radius *= 2.0;
         };
         let root = find([low, high], 0.0, |radius| Ok::<_, SolveError>(off(radius)))?;
-        let radius = root.map_or(high.position, |root| root.closest().position);
-        Ok(Some(self.at(radius, work)))
+        Ok(Some(
+            root.map_or(high.position, |root| root.closest().position),
+        ))
     }
 
     /// Half of Hertz's radius of contact, as the start of a search.
@@ -331,7 +370,8 @@ impl<'a> Bench<'a> {
             return Ok(None);
         }
         let from = self.detachment(driver, work)?;
-        self.meet(driver, target, work, from)
+        let radius = self.meet(driver, target, work, from)?;
+        Ok(radius.map(|radius| self.at(radius, work)))
     }
 
     /// The radius of a punch; none of a lens.
@@ -345,14 +385,7 @@ impl<'a> Bench<'a> {
     /// The contact of a radius at which the driver has a value. With a fixed rim the force is linear in the indentation.
     fn pinned(&self, driver: Driver, target: f64, radius: f64) -> Settled {
         let level = self.with_radius(radius, 0.0);
-        let indentation = match driver {
-            Driver::Indentation => target,
-            Driver::Force => (target - level.force) / level.punch,
-            Driver::Machine(compliance) => {
-                (target - compliance * level.force) / (1.0 + compliance * level.punch)
-            }
-        };
-        self.with_radius(radius, indentation)
+        self.with_radius(radius, driver.pinned(target, &level))
     }
 
     fn contact(&self, state: &Settled, work: f64) -> FlatContact {
@@ -516,7 +549,8 @@ pub struct FlatBranches<'a> {
     bench: Bench<'a>,
     run: &'a Run<'a>,
     driver: Driver,
-    punch: Option<f64>,
+    /// A punch at indentation 0; none of a lens.
+    punch: Option<Settled>,
     /// Smallest radius of an attached lens on loading, and what the driver has there.
     least: f64,
     least_load: f64,
@@ -525,8 +559,8 @@ pub struct FlatBranches<'a> {
 
 /// The unloading of a contact with adhesion.
 struct Receding {
-    /// Radius at the end of the loading, at which the rim stays at first.
-    radius: f64,
+    /// The contact at indentation 0 whose radius is that at the end of the loading, at which the rim stays at first.
+    level: Settled,
     /// What the driver has where the rim begins to move, and where the contact ends.
     moves: f64,
     ends: f64,
@@ -544,13 +578,14 @@ impl<'a> FlatBranches<'a> {
         run.check_cancelled()?;
         let bench = Bench::new(system, 1.0);
         let punch = bench.punch()?;
+        let punch = punch.map(|radius| bench.with_radius(radius, 0.0));
         let adhesion = system.adhesion();
-        let least = match punch {
-            Some(radius) => radius,
+        let least = match &punch {
+            Some(punch) => punch.radius,
             None => bench.detachment(driver, adhesion.work)?,
         };
         let least_load = match least > 0.0 {
-            true => driver.of(&bench.at(least, adhesion.work)),
+            true => driver.of(bench.at(least, adhesion.work).reached()),
             false => 0.0,
         };
         let mut branches = Self {
@@ -567,49 +602,67 @@ impl<'a> FlatBranches<'a> {
             && turn >= 0.0
             && let Some(turn) = branches.loaded(turn)?
         {
-            branches.unloading = Some(branches.receding(&turn)?);
+            branches.unloading = Some(branches.receding(turn.radius)?);
         }
         Ok(branches)
     }
 
-    fn receding(&self, turn: &Settled) -> Result<Receding, SolveError> {
+    /// The same contacts, for thousands of loads: interpolated over the radius, to 1e-11 of the largest force and indentation.
+    #[must_use]
+    pub fn interpolated(mut self) -> Self {
+        self.bench.chart = Some(Chart::default());
+        self
+    }
+
+    fn receding(&self, turn: f64) -> Result<Receding, SolveError> {
         let (bench, work) = (&self.bench, self.bench.system.adhesion().receding());
-        let start = bench.at(turn.radius, work);
-        let least = match self.punch {
-            Some(radius) => radius,
-            None => smaller(bench.detachment(self.driver, work)?, turn.radius),
+        let start = bench.at(turn, work);
+        let least = match &self.punch {
+            Some(punch) => punch.radius,
+            None => smaller(bench.detachment(self.driver, work)?, turn),
         };
         Ok(Receding {
-            radius: turn.radius,
-            moves: self.driver.of(&start),
-            ends: self.driver.of(&bench.at(least, work)),
+            level: bench.with_radius(turn, 0.0),
+            moves: self.driver.of(start.reached()),
+            ends: self.driver.of(bench.at(least, work).reached()),
             least,
         })
     }
 
-    /// The contact on loading; none where there is none.
-    fn loaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
-        let work = self.bench.system.adhesion().work;
-        match self.punch {
-            Some(radius) => Ok(Some(self.bench.pinned(self.driver, load, radius))),
-            None => self.bench.meet(self.driver, load, work, self.least),
+    /// A contact with a fixed rim, from the one at indentation 0.
+    fn pinned(&self, load: f64, level: &Settled) -> Reached {
+        let indentation = self.driver.pinned(load, level);
+        Reached {
+            radius: level.radius,
+            indentation,
+            force: level.force + indentation * level.punch,
         }
     }
 
+    /// The contact on loading; none where there is none.
+    fn loaded(&self, load: f64) -> Result<Option<Reached>, SolveError> {
+        let work = self.bench.system.adhesion().work;
+        if let Some(punch) = &self.punch {
+            return Ok(Some(self.pinned(load, punch)));
+        }
+        let radius = self.bench.meet(self.driver, load, work, self.least)?;
+        Ok(radius.map(|radius| self.bench.reached(radius, work)))
+    }
+
     /// The same on unloading.
-    fn unloaded(&self, load: f64) -> Result<Option<Settled>, SolveError> {
+    fn unloaded(&self, load: f64) -> Result<Option<Reached>, SolveError> {
         let Some(receding) = &self.unloading else {
             return Ok(None);
         };
         if load >= receding.moves {
-            let pinned = self.bench.pinned(self.driver, load, receding.radius);
-            return Ok(Some(pinned));
+            return Ok(Some(self.pinned(load, &receding.level)));
         }
         if load < receding.ends || self.punch.is_some() {
             return Ok(None);
         }
         let work = self.bench.system.adhesion().receding();
-        self.bench.meet(self.driver, load, work, receding.least)
+        let radius = self.bench.meet(self.driver, load, work, receding.least)?;
+        Ok(radius.map(|radius| self.bench.reached(radius, work)))
     }
 
     /// Load below which there is no contact on a branch: the lens touches at 0, and detaches where no contact is stable. Infinite for the unloading if the
@@ -637,7 +690,7 @@ impl<'a> FlatBranches<'a> {
             Branch::Unloading if is_adhesive => self.unloaded(load)?,
             _ => self.loaded(load)?,
         };
-        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, &state)))
+        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, state)))
     }
 
     /// The contact at a load on a branch of a lens that is attached: on loading also at loads below 0, which a lens that comes down does not have. At loads
@@ -658,9 +711,9 @@ impl<'a> FlatBranches<'a> {
                 (found, self.least, adhesion.work)
             }
         };
-        let at_end = || (least > 0.0).then(|| self.bench.at(least, work));
+        let at_end = || (least > 0.0).then(|| self.bench.reached(least, work));
         let state = found.or_else(at_end);
-        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, &state)))
+        Ok(state.map_or_else(|| self.apart(branch, load), |state| step(branch, state)))
     }
 
     /// The lens without contact at a load.
@@ -679,7 +732,7 @@ impl<'a> FlatBranches<'a> {
 }
 
 /// A point of the curve.
-fn step(branch: Branch, state: &Settled) -> FlatLoadStep {
+fn step(branch: Branch, state: Reached) -> FlatLoadStep {
     FlatLoadStep {
         branch,
         indentation: state.indentation,
@@ -707,11 +760,11 @@ impl<'a, 'b> Path<'a, 'b> {
             Some(radius) => bench.with_radius(radius, 0.0),
             None => {
                 let from = bench.detachment(driver, work)?;
-                bench
-                    .meet(driver, 0.0, work, from)?
-                    .ok_or(SolveError::NotFinite {
-                        what: "jump into contact",
-                    })?
+                let radius = bench.meet(driver, 0.0, work, from)?;
+                let radius = radius.ok_or(SolveError::NotFinite {
+                    what: "jump into contact",
+                })?;
+                bench.at(radius, work)
             }
         };
         let (by, target) = match plan.turn {
@@ -721,8 +774,11 @@ impl<'a, 'b> Path<'a, 'b> {
         };
         let turn = match punch {
             Some(radius) => bench.pinned(by, target, radius),
-            None if by.of(&jump) >= target => jump,
-            None => bench.meet(by, target, work, jump.radius)?.unwrap_or(jump),
+            None if by.of(jump.reached()) >= target => jump,
+            None => {
+                let radius = bench.meet(by, target, work, jump.radius)?;
+                radius.map_or(jump, |radius| bench.at(radius, work))
+            }
         };
         let mut path = Self {
             bench,
@@ -751,7 +807,7 @@ impl<'a, 'b> Path<'a, 'b> {
                 self.bench
                     .with_radius(from.radius, from.indentation + part * way)
             };
-            self.steps.push(step(branch, &state));
+            self.steps.push(step(branch, state.reached()));
         }
     }
 

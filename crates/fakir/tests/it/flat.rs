@@ -539,6 +539,50 @@ fn contacts_at_loads_are_on_the_curve() {
     assert_eq!(branches.end(Branch::Unloading).to_bits(), 0);
 }
 
+/// Interpolated over the radius, the contacts at loads are those that are solved, under all drivers, with adhesion and without, and on films.
+#[test]
+fn interpolated_contacts_are_the_solved_ones() {
+    let receding = Adhesion {
+        work_receding: Some(3.0 * WORK),
+        ..Adhesion::new(WORK)
+    };
+    let film = Some(Layer::new(0.6e-3));
+    let run = Run::default();
+    let modes = [
+        (LoadingMode::Displacement, 10e-6),
+        (LoadingMode::Force, 2e-3),
+        (LoadingMode::Machine(200.0), 12e-6),
+    ];
+    for system in [
+        paraboloid(),
+        paraboloid().with_layers(None, film).unwrap(),
+        adhesive(paraboloid()),
+        paraboloid().with_adhesion(receding).unwrap(),
+        FlatSystem::punch(50e-6, GLASS, RUBBER).unwrap(),
+    ] {
+        for (mode, turn) in modes {
+            let solved = system.branches(mode, turn, &run).unwrap();
+            let interpolated = system.branches(mode, turn, &run).unwrap().interpolated();
+            for k in -20..=100 {
+                let load = turn * f64::from(k) / 100.0;
+                for branch in [Branch::Loading, Branch::Unloading] {
+                    let one = solved.at(branch, load).unwrap();
+                    let other = interpolated.at(branch, load).unwrap();
+                    let same = |one: f64, other: f64, scale: f64| {
+                        assert!(
+                            (one - other).abs() < 1e-9 * scale,
+                            "{mode:?} {load}: {one} {other}"
+                        );
+                    };
+                    same(one.force, other.force, 2e-3);
+                    same(one.indentation, other.indentation, 10e-6);
+                    same(one.contact_radius, other.contact_radius, 100e-6);
+                }
+            }
+        }
+    }
+}
+
 /// A punch at loads: linear, and none below Kendall's pull-off.
 #[test]
 fn a_punch_at_loads_is_linear_to_its_end() {
