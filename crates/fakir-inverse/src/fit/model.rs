@@ -328,6 +328,9 @@ impl<'a> Model<'a> {
             solved: AtomicUsize::new(0),
             scale_of_thickness: Arc::default(),
         };
+        if free.contains(&Parameter::ForceOffset) {
+            model.begin_at_rest();
+        }
         if free.contains(&Parameter::ContactPoint) && options.contact_point.is_none() {
             model.start.contact_point = model.likely_contact_point()?;
             model.begin_within_model()?;
@@ -569,10 +572,51 @@ impl<'a> Model<'a> {
         Ok(())
     }
 
-    pub(super) fn largest_force(&self) -> f64 {
+    /// Smallest and largest reading of the force, N.
+    fn force_range(&self) -> [f64; 2] {
         let forces = self.data.rows().iter().filter_map(|row| row.force);
-        let largest = forces.fold(0.0, |largest: f64, force| largest.max(force.value));
-        if largest > 0.0 { largest } else { 1e-6 }
+        forces.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], force| {
+            [low.min(force.value), high.max(force.value)]
+        })
+    }
+
+    /// Largest force without the initial offset, N; if there is none above it, the range of the readings. It is the unit of forces in the search.
+    pub(super) fn largest_force(&self) -> f64 {
+        let [low, high] = self.force_range();
+        let sizes = [high - self.start.force_offset, high - low, 1e-6];
+        let positive = |size: &f64| *size > 0.0 && size.is_finite();
+        sizes.into_iter().find(positive).unwrap_or(1e-6)
+    }
+
+    /// Begins with the mean force of the rows before contact, if the given offset is far from it: a search that begins so far away does not end. These
+    /// rows are the tenth with the smallest positions, on loading if there is any.
+    fn begin_at_rest(&mut self) {
+        /// Distance that a search covers, as a fraction of the range of the forces.
+        const FAR: f64 = 0.5;
+        /// Fraction of the rows, and the least number of them.
+        const ROWS: f64 = 0.1;
+        const LEAST: usize = 3;
+        let [loading, unloading] = &self.orders;
+        let order = if loading.is_empty() {
+            unloading
+        } else {
+            loading
+        };
+        let forces: Vec<f64> = order
+            .iter()
+            .map(|row| &self.data.rows()[*row])
+            .filter(|row| row.position.is_some())
+            .filter_map(|row| Some(row.force?.value))
+            .collect();
+        let count = ((ROWS * forces.len() as f64) as usize).max(LEAST);
+        let Some(first) = forces.get(..count) else {
+            return;
+        };
+        let rest = first.iter().sum::<f64>() / count as f64;
+        let [low, high] = self.force_range();
+        if (rest - self.start.force_offset).abs() > FAR * (high - low) {
+            self.start.force_offset = rest;
+        }
     }
 
     /// Contact point for the case as in its file, estimated from the state nearest to a tenth of
@@ -603,8 +647,8 @@ impl<'a> Model<'a> {
             Some((position, force)) => {
                 let state = if self.is_map() {
                     // Up to the largest force, so that the curve need not be extended.
-                    let largest = self.largest_force() - offset;
-                    self.curve(&self.start.case, Reach::Force(larger(force, largest)))?;
+                    let largest = larger(force, self.largest_force());
+                    self.curve(&self.start.case, Reach::Force(largest))?;
                     self.state_of_map(&self.start, MeasuredBy::Force, force)?
                 } else {
                     self.solve(&self.start.case, Load::Force(force))?

@@ -229,6 +229,30 @@ fn ten_thousand_rows_are_fitted() {
     close(value(&found, WORK), TRUE_WORK, 1e-3);
 }
 
+/// Load cells without a tare: offsets of many times the largest force, of both signs, which is about 0.4 mN here.
+#[test]
+fn large_offsets_are_found_again() {
+    let moved = |mut columns: Vec<(Column, Vec<f64>)>, offset: f64| {
+        for (column, values) in &mut columns {
+            if *column == Column::Force {
+                values.iter_mut().for_each(|value| *value += offset);
+            }
+        }
+        columns
+    };
+    for offset in [-50e-3, -5e-3, -0.5e-3, 0.5e-3, 5e-3, 50e-3] {
+        let data = noisy(&moved(hertz(), offset), 3, 1e-7);
+        let found = fitted(&file(&[]), &data, &[SUBSTRATE, POINT, OFFSET]);
+        close(value(&found, OFFSET), TRUE_OFFSET + offset, 1e-3);
+        close(value(&found, SUBSTRATE), TRUE_MODULUS, 2e-2);
+        let data = noisy(&moved(jkr(), offset), 4, 1e-7);
+        let free = [SUBSTRATE, WORK, POINT, OFFSET];
+        let found = fitted(&file(&["adhesion.work=30mJ/m2"]), &data, &free);
+        close(value(&found, OFFSET), TRUE_OFFSET + offset, 1e-3);
+        close(value(&found, WORK), TRUE_WORK, 2e-2);
+    }
+}
+
 /// With a machine of this compliance the displacements are those of its end; with a larger receding work the rim stays at first.
 #[test]
 fn compliance_and_receding_work_are_found_again() {
