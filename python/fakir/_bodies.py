@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal, TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ._quantity import Quantity, si
+from ._quantity import Quantity, si, without_mask
 
 _FORMER_OPTIONS = {"height_spread": "height_standard_deviation", "missing": "vacancy_fraction"}
 """Deprecated names of options, with the present ones."""
@@ -647,7 +647,11 @@ class Pillars:
         reference_diameter: Quantity | None = None,
         compliance: Literal["column", "elastic", "none"] = "column",
     ) -> None:
-        columns = [np.asarray(values, dtype=float) for values in (x, y, height, diameter)]
+        columns = [np.asarray(without_mask(values), dtype=float) for values in (x, y, height, diameter)]
+        for name, given in (("x", x), ("y", y), ("height", height), ("diameter", diameter)):
+            if np.ma.is_masked(given):
+                row = int(np.flatnonzero(np.ma.getmaskarray(given))[0])
+                raise ValueError(f"{name}[{row}] is masked: leave this pillar out of all columns")
         try:
             columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]
         except ValueError as error:

@@ -13,7 +13,7 @@ from . import _fakir
 from ._asperities import AsperityArray
 from ._flat import FlatSystem
 from ._format import Row, engineering
-from ._quantity import FloatArray, Quantity, WithUnit, finite
+from ._quantity import FloatArray, Quantity, WithUnit, finite, without_mask
 from ._result import Limit, Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._system import System
@@ -584,7 +584,7 @@ def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
         except Exception as error:
             raise ValueError(f"{name}: {error}; give a quantity in {unit}") from error
         name = name.removesuffix(f"_{unit}") + f"_{unit}"
-    found = np.asarray(values)
+    found = without_mask(values) if name != "branch" else np.asarray(values)
     if name == "branch":
         branches = np.asarray(found, dtype=object)
         loading, unloading = branches == "loading", branches == "unloading"

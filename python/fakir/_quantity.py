@@ -82,7 +82,7 @@ def array(values: object, dimension: Dimension, name: str) -> FloatArray:
         values = _without_unit(values, dimension, name)
     if isinstance(values, str):
         values = si(values, dimension, name)
-    found = np.asarray(values)
+    found = without_mask(values)
     if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
         raise TypeError(
             f"{name} is an array of {found.dtype}: give float64 or float32 in {UNITS[dimension]}, "
@@ -96,6 +96,13 @@ def array(values: object, dimension: Dimension, name: str) -> FloatArray:
         number = result.reshape(-1)[bad[0]]
         raise ValueError(f"{name}{where} is {number}: every value must be a finite number")
     return result
+
+
+def without_mask(values: object) -> npt.NDArray[Any]:
+    """An array with NaN where a masked array has no values."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        return np.asarray(values.astype(np.float64).filled(np.nan))
+    return np.asarray(values)
 
 
 def points_at(x: object, y: object) -> tuple[FloatArray, FloatArray]:

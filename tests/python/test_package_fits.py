@@ -99,6 +99,24 @@ def test_curves_of_a_flat_surface():
     assert fits.curves[1].fit["contact_point"] == alone["contact_point"]
 
 
+def test_masked_values_are_not_measured():
+    system = fakir.FlatSystem(fakir.ParaboloidLens("2 mm", 1e18, 0.3), fakir.Substrate("1 MPa", 0.5))
+    depth = np.linspace(-0.5e-6, 3e-6, 40)
+    force = 4 / 3 * 1.7e6 / 0.75 * 2e-3**0.5 * np.maximum(depth, 0) ** 1.5 + 1e-7 * (-1.0) ** np.arange(40)
+    force[20] *= 2.0
+    masked = np.ma.array(force, mask=np.arange(40) == 20)
+    holes = np.where(masked.mask, np.nan, force)
+    one, other = (fakir.fit({"displacement_m": depth, "force_N": it}, system, FREE) for it in (masked, holes))
+    assert one["contact_point"] == other["contact_point"]
+    assert one["substrate.young_modulus"].value == pytest.approx(1.7e6, rel=1e-3)
+    heights = np.ma.array(np.zeros((8, 8)), mask=np.eye(8) > 0)
+    with pytest.raises(ValueError, match=r"heights\[0, 0\] is nan"):
+        fakir.bem.Surface(heights, fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), cell_size="1 um")
+    x = np.ma.array([0.0, 20e-6, 40e-6], mask=[0, 0, 1])
+    with pytest.raises(ValueError, match=r"x\[2\] is masked: leave this pillar out"):
+        fakir.Pillars(x, np.zeros(3), 2.2e-6, 6e-6)
+
+
 @pytest.fixture(scope="module")
 def joint(system):
     return fakir.fit_many(FILES[:2], system, FREE, joint=True, **COMPLIANCE)
