@@ -1,8 +1,7 @@
 //! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
-use crate::table_text::{cells, is_statistic, read_table};
+use crate::table_text::{cells, is_statistic, read_table, text_of};
 use crate::unit::{Dimension, parse_quantity};
-use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -178,7 +177,8 @@ impl<const N: usize> Columns<N> {
             line: line as u64 + 1,
             problem,
         };
-        let text = text_of(bytes);
+        let text = text_of(bytes)
+            .ok_or_else(|| wrong(0, format!("the file is no text; {}", self.accepted)))?;
         let lines: Vec<&str> = text.lines().collect();
         let (heading_line, separator, headings) = self.heading(&lines);
         let below = lines.iter().enumerate().skip(heading_line + 1);
@@ -254,7 +254,7 @@ impl<const N: usize> Columns<N> {
 
     /// Which columns the headings of a table name. Its rows and units are not checked.
     pub(crate) fn named(&self, bytes: &[u8]) -> [bool; N] {
-        let text = text_of(bytes);
+        let text = text_of(bytes).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
         let (_, _, headings) = self.heading(&lines);
         let mut named = [false; N];
@@ -444,16 +444,6 @@ impl Place {
                 Some((4.0 * area / PI).sqrt() * length("1").ok()?)
             }
         }
-    }
-}
-
-/// The text of a table.
-fn text_of(bytes: &[u8]) -> Cow<'_, str> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Cow::Borrowed(text),
-        // The bytes of Latin-1 are the first characters of Unicode.
-        Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
     }
 }
 

@@ -241,6 +241,15 @@ mod tests {
                 assert!(near(one.diameter, other.diameter), "{text}");
             }
         }
+        // In UTF-16, as spreadsheets save "Unicode text".
+        let wide = "\u{feff}X (\u{b5}m)\tY (\u{b5}m)\n10\t0\n".encode_utf16();
+        let table = COLUMNS.parse(
+            "wide.txt",
+            &wide.flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+            None,
+            [0.0, 0.0, 2e-6, 4e-6],
+        );
+        assert!((table.unwrap().rows[0][0] - 1e-5).abs() < 1e-18);
         // Areas of circles, in the unit after the name of the file.
         let text = " ,Area,Mean,X,Y,BX,BY,Width,Height\n1,28.274333882308138,1,10,0,7,0,6,6\n";
         let without = read(text).unwrap_err();

@@ -4,6 +4,7 @@ use crate::formats;
 use crate::input::{read, read_all};
 use crate::spreadsheet;
 use flate2::read::MultiGzDecoder;
+use std::borrow::Cow;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
@@ -34,6 +35,29 @@ pub fn unpack_table(path: &Path, mut bytes: Vec<u8>, most: u64) -> io::Result<Ve
             .map_err(|problem| io::Error::new(ErrorKind::InvalidData, problem));
     }
     Err(io::Error::new(ErrorKind::Unsupported, format.no_table()))
+}
+
+/// The text of a table in UTF-8, with or without a byte order mark, in UTF-16 with one, or in Latin-1; `None` of other bytes.
+#[must_use]
+pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let wide = |bytes: &[u8], join: fn([u8; 2]) -> u16| {
+        let units = bytes.chunks_exact(2).map(|pair| join([pair[0], pair[1]]));
+        let text: Result<String, _> = char::decode_utf16(units).collect();
+        text.ok().map(Cow::Owned)
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
+        _ if bytes.contains(&0) => None,
+        _ => {
+            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+            Some(match std::str::from_utf8(bytes) {
+                Ok(text) => Cow::Borrowed(text),
+                // The bytes of Latin-1 are the first characters of Unicode.
+                Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
+            })
+        }
+    }
 }
 
 /// Cells of a line of a table, with or without quotes, trimmed. A blank as the separator stands for any number of blanks.

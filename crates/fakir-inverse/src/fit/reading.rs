@@ -19,7 +19,7 @@ use super::segments::{
 };
 use super::units::{Scale, example_unit, is_unit};
 use fakir::state::Branch;
-use fakir_case::table_text::is_statistic;
+use fakir_case::table_text::{is_statistic, text_of};
 use std::borrow::Cow;
 use std::collections::HashSet;
 
@@ -607,26 +607,7 @@ impl Reader<'_> {
     }
 
     fn text<'a>(&self, bytes: &'a [u8]) -> Result<Cow<'a, str>, DataError> {
-        let wide = |bytes: &[u8], join: fn([u8; 2]) -> u16| {
-            let units = bytes.chunks_exact(2).map(|pair| join([pair[0], pair[1]]));
-            char::decode_utf16(units).collect::<Result<String, _>>()
-        };
-        let decoded = match bytes {
-            [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
-            [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
-            _ if bytes.contains(&0) => return Err(self.fail(None, None, NO_TEXT)),
-            _ => {
-                let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-                return Ok(match std::str::from_utf8(bytes) {
-                    Ok(text) => Cow::Borrowed(text),
-                    // The bytes of Latin-1 are the first characters of Unicode.
-                    Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
-                });
-            }
-        };
-        decoded
-            .map(Cow::Owned)
-            .map_err(|_| self.fail(None, None, NO_TEXT))
+        text_of(bytes).ok_or_else(|| self.fail(None, None, NO_TEXT))
     }
 
     /// Finds the line of the headings and the separator for which most columns are recognised.
