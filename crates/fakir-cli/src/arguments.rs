@@ -10,7 +10,8 @@ use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_rate};
 use fakir_case::{CaseError, CaseFile, Key, Kind, SurfaceKind, read_protocol};
 use fakir_inverse::design::{PressedQuantity, Wanted, free_key};
 use fakir_inverse::fit::{
-    FitOptions, Hints, Measurements, NamedColumn, Parameter, Selection, shared_by_default,
+    FitOptions, Hints, MOST_STARTS, Measurements, NamedColumn, Parameter, Selection,
+    shared_by_default,
 };
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
@@ -1122,7 +1123,7 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, default_value = "0")]
     force_slope: f64,
     /// Start from this many points, the first of which is the case, and take the best fit: avoids local minima
-    #[arg(long, value_name = "COUNT", default_value_t = 1)]
+    #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = starts)]
     starts: usize,
     /// Standard error of forces without one in the file (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
@@ -1680,6 +1681,14 @@ fn field_points(text: &str) -> Result<usize, String> {
         .ok()
         .filter(|points| (2..=MOST_POINTS).contains(points))
         .ok_or_else(|| format!("give a whole number from 2 to {MOST_POINTS}"))
+}
+
+/// Parses the number of starts of a fit.
+fn starts(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|starts| (1..=MOST_STARTS).contains(starts))
+        .ok_or_else(|| format!("give a whole number from 1 to {MOST_STARTS}"))
 }
 
 /// Parses the number of cells across a pillar; half as many must be sufficient for an error estimate.

@@ -126,7 +126,7 @@ pub(crate) fn pillar_heights_error(error: &PillarHeightsError) -> PyErr {
 }
 
 pub(crate) fn fit_error(error: &FitError) -> PyErr {
-    match error {
+    match error.cause() {
         FitError::Case(error) => case_error(error),
         FitError::Solve(error) => solve_error(error),
         _ => exceptions::FitError::new_err(error.to_string()),

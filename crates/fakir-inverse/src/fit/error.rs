@@ -103,6 +103,9 @@ pub enum FitError {
     /// Invalid number.
     #[error("{0} must be a finite number")]
     NotFinite(&'static str),
+    /// A negative compliance of the machine, m/N.
+    #[error("a machine compliance of {0} m/N: must be 0 or greater")]
+    NegativeCompliance(f64),
     /// Too few data.
     #[error(
         "{name}: {} before the transition {} too few for {}{}", counted(*.values, "measured value"), are(*.values),
@@ -218,6 +221,16 @@ impl FitError {
         Self::OfCurve {
             name: name.to_owned(),
             error: Box::new(self),
+        }
+    }
+
+    /// The error with where it occurred, in the data or a row of them, if the model has no such contact.
+    pub(super) fn within(self, place: &str) -> Self {
+        use SolveError as S;
+        match self {
+            Self::Solve(S::Interrupted | S::InvalidQuantity(_) | S::Unsupported(_)) => self,
+            Self::Solve(_) | Self::NoBalance { .. } | Self::NoDerivatives => self.of_curve(place),
+            other => other,
         }
     }
 

@@ -384,7 +384,8 @@ pub fn fit(
     options: &FitOptions,
     run: &Run<'_>,
 ) -> Result<Fit, FitError> {
-    fit_with(file, data, free, options, run, sampled::DIRECT)
+    let fitted = fit_with(file, data, free, options, run, sampled::DIRECT);
+    fitted.map_err(|error| error.within(data.name()))
 }
 
 /// [`fit`] in which up to `direct` rows are solved in every step.
@@ -562,6 +563,9 @@ fn check(
     }
     if !options.machine_compliance.is_finite() {
         return Err(FitError::NotFinite("the machine compliance"));
+    }
+    if options.machine_compliance < 0.0 {
+        return Err(FitError::NegativeCompliance(options.machine_compliance));
     }
     if !options.force_offset.is_finite() {
         return Err(FitError::NotFinite("the force offset"));

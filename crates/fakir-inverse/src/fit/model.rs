@@ -1066,7 +1066,11 @@ impl<'a> Model<'a> {
     pub(super) fn first_problem(&self, unknowns: &[f64]) -> Result<(), FitError> {
         let settings = self.settings(unknowns)?;
         let mut rows = self.data.rows().iter().zip(&self.moments);
-        rows.try_for_each(|(row, moment)| self.state(&settings, row, *moment).map(drop))
+        rows.try_for_each(|(row, moment)| {
+            let place = || format!("{}:{}", self.data.name(), row.line);
+            let state = self.state(&settings, row, *moment);
+            state.map(drop).map_err(|error| error.within(&place()))
+        })
     }
 
     /// The cycle up to the largest measured load, with its curve; `None` if that load is before contact.
@@ -1133,6 +1137,8 @@ impl<'a> Model<'a> {
     fn states_on_flat(&self, case: &FlatCase, settings: &Settings) -> Result<Vec<State>, FitError> {
         /// Relative step of the load for slopes.
         const STEP: f64 = 1e-3;
+        /// Up to this number of rows, every contact is solved.
+        const SOLVED: usize = 64;
         let position = self.data.position();
         let compliance = settings.compliance(self.data.position());
         let mode = match position {
@@ -1184,8 +1190,6 @@ impl<'a> Model<'a> {
             if needs_slopes {
                 let reach = STEP * largest.abs();
                 let [below, above] = [-reach, reach].map(|step| step_at(number, load + step));
-        /// Up to this number of rows, every contact is solved.
-        const SOLVED: usize = 64;
                 if let (Ok(below), Ok(above)) = (below, above) {
                     slopes = [
                         (above.force - below.force) / (2.0 * reach),

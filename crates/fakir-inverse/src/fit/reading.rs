@@ -163,10 +163,14 @@ impl Reader<'_> {
         hints: &Hints,
     ) -> Result<Heading, DataError> {
         let fail = |heading: &str, problem: String| self.fail(line, Some(heading), problem);
-        for named in &hints.named {
+        for (number, named) in hints.named.iter().enumerate() {
             let meant = headings.iter().enumerate();
             let meant = meant.filter(|(place, heading)| named.matches(*place, heading).is_some());
+            let is_again = |other: &NamedColumn| other.column == named.column;
             let problem = match meant.count() {
+                1 if hints.named[..number].iter().any(is_again) => {
+                    format!("a second column of {}: give one", named.column.name())
+                }
                 1 => continue,
                 0 => format!("no column of that heading; there are {}", quoted(headings)),
                 count => format!("{count} columns of that heading: give its number, as #2"),

@@ -253,6 +253,42 @@ fn large_offsets_are_found_again() {
     }
 }
 
+#[test]
+fn errors_of_the_model_name_file_and_line() {
+    let columns = [
+        (Column::Displacement, vec![1e-6, 2e-6, 3e-3, 4e-3, 5e-3]),
+        (Column::Force, vec![1e-6, 2e-6, 3e-6, 4e-6, 5e-6]),
+    ];
+    let data = Measurements::new(&columns).unwrap();
+    let refused = |options: FitOptions| {
+        let found = fit(
+            &file(&[]),
+            &data,
+            &[SUBSTRATE, OFFSET],
+            &options,
+            &Run::default(),
+        );
+        found.unwrap_err()
+    };
+    let options = FitOptions {
+        contact_point: Some(-1e-3),
+        ..FitOptions::default()
+    };
+    let error = refused(options.clone());
+    let line = data.rows()[0].line;
+    let start = format!("{}:{line}: ", data.name());
+    assert!(error.to_string().starts_with(&start), "{error}");
+    assert!(matches!(error.cause(), FitError::Solve(_)), "{error:?}");
+    let error = refused(FitOptions {
+        machine_compliance: -1e-3,
+        ..options
+    });
+    assert_eq!(
+        error.to_string(),
+        "a machine compliance of -0.001 m/N: must be 0 or greater"
+    );
+}
+
 /// With a machine of this compliance the displacements are those of its end; with a larger receding work the rim stays at first.
 #[test]
 fn compliance_and_receding_work_are_found_again() {
