@@ -108,6 +108,22 @@ fn bad_input_ends_with_status_2() {
             .stderr
             .contains("give one of substrate.young_modulus")
     );
+    let data = example("fit/loading.csv");
+    for (given, told) in [
+        (&["--starts", "0"][..], "give a whole number from 1 to 32"),
+        (
+            &["--machine-compliance=-1"],
+            "a machine compliance of -1 m/N: must be 0 or greater",
+        ),
+        (
+            &["--column", "force=force_N", "--column", "force=#2 [N]"],
+            "a second column of force_N: give one",
+        ),
+    ] {
+        let outcome = bench.run(&[&arguments(&data, &case)[..], given].concat());
+        assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+    }
 }
 
 /// A small lens at a large depth: the fit prints and saves the limits that `press` reports for its fitted case, and fails in strict mode.
