@@ -614,7 +614,8 @@ impl<'a> Model<'a> {
         };
         let rest = first.iter().sum::<f64>() / count as f64;
         let [low, high] = self.force_range();
-        if (rest - self.start.force_offset).abs() > FAR * (high - low) {
+        // Forces that are all the same contain no rest.
+        if high > low && (rest - self.start.force_offset).abs() > FAR * (high - low) {
             self.start.force_offset = rest;
         }
     }
