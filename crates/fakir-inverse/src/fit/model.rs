@@ -638,21 +638,24 @@ impl<'a> Model<'a> {
             Some((
                 row.position?.value,
                 (row.force?.value - offset) / stiffer(row),
+                row.line,
             ))
         });
         let away = |force: f64| (force / wanted).ln().abs();
         let nearest = loaded
-            .filter(|(_, force)| *force > 0.0)
+            .filter(|(_, force, _)| *force > 0.0)
             .min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
         match nearest {
-            Some((position, force)) => {
+            Some((position, force, line)) => {
                 let state = if self.is_map() {
                     // Up to the largest force, so that the curve need not be extended.
                     let largest = larger(force, self.largest_force());
                     self.curve(&self.start.case, Reach::Force(largest))?;
                     self.state_of_map(&self.start, MeasuredBy::Force, force)?
                 } else {
-                    self.solve(&self.start.case, Load::Force(force))?
+                    let place = format!("{}:{line}", self.data.name());
+                    let state = self.solve(&self.start.case, Load::Force(force));
+                    state.map_err(|error| FitError::from(error).within(&place))?
                 };
                 Ok(position - self.start.machine_compliance * force - state.indentation)
             }
