@@ -20,9 +20,6 @@ pub fn radius_digits(relative_error: f64) -> usize {
     digits(relative_error).min(RADIUS_DIGITS)
 }
 
-/// Digits of results of the homogenised lattice: its error is a model error, not a numerical one.
-const MODEL_DIGITS: usize = 4;
-
 /// A text followed by derivatives, if there are any.
 pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) -> String {
     match gradient {
@@ -407,30 +404,23 @@ impl QuantityList {
 
     /// Force and indentation, with the digits that their errors leave.
     pub fn load(&mut self, state: &ContactState, reduced: &Normalized) -> &mut Self {
-        let known = |error| match state.method {
-            Method::Homogenised => MODEL_DIGITS,
-            _ => digits(error),
-        };
         let remark = |name: &str, value, error: f64| {
-            let estimate = match state.method {
-                Method::Homogenised => String::new(), // the estimate does not include the model error
-                _ => error_remark(error),
-            };
-            format!("{name} = {}{estimate}", significant(value, known(error)))
+            let estimate = error_remark(error);
+            format!("{name} = {}{estimate}", significant(value, digits(error)))
         };
         let ErrorEstimate { force, indentation } = state.error;
         self.quantity(
             "force",
             state.force,
             Dimension::Force,
-            known(force),
+            digits(force),
             remark("F gamma_int/(h d)", reduced.force, force),
         )
         .quantity(
             "indentation",
             state.indentation,
             Dimension::Length,
-            known(indentation),
+            digits(indentation),
             remark("zeta/h", reduced.indentation, indentation),
         )
     }

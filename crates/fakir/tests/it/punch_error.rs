@@ -1,9 +1,9 @@
-//! The error estimate of the punch lattice covers its difference from the spectral method, also if the edge of the contact crosses most of
-//! the few touched pillars.
+//! The error estimates of the punch lattice and of the homogenised lattice cover their differences from the spectral method, also if the edge
+//! of the contact crosses most of the few touched pillars.
 
 use crate::common::{paper_lattice, paper_system};
-use fakir::problem::{Method, PillarCompliance, PunchForm};
-use fakir::state::Run;
+use fakir::problem::{Layer, Load, Method, PillarCompliance, PunchForm};
+use fakir::state::{ContactState, Run};
 
 #[test]
 fn the_stated_error_covers_what_a_punch_lattice_leaves_out() {
@@ -37,6 +37,54 @@ fn check_fractions(every: usize) {
                     difference.abs() < stated,
                     "{modulus} Pa, offset {offset}, surface fraction {fraction}: {difference}, stated {stated}"
                 );
+            }
+        }
+    }
+}
+
+/// Transitions and presses by indentation and by force, on half-spaces and on a film; 0.3 pitches is a general position of the lens axis.
+#[test]
+fn the_stated_error_covers_what_the_homogenised_lattice_leaves_out() {
+    let run = Run::default();
+    for fraction in [0.007, 0.01, 0.03, 0.1] {
+        for offset in [0.0, 0.3] {
+            for film in [None, Some(Layer::new(1e-4))] {
+                let lattice = paper_lattice(fraction, offset);
+                let system = paper_system(lattice, 2e6, PillarCompliance::Column);
+                let system = system.with_layers(film, None).unwrap();
+                let check = |homogenised: ContactState, exact: ContactState| {
+                    let (force, indentation) = (exact.force, exact.indentation);
+                    for (difference, stated) in [
+                        (homogenised.force / force - 1.0, homogenised.error.force),
+                        (
+                            homogenised.indentation / indentation - 1.0,
+                            homogenised.error.indentation,
+                        ),
+                    ] {
+                        println!("{fraction} {offset} {difference:+.4} {stated:.4}");
+                        assert!(
+                            difference.abs() <= stated + exact.error.force.max(1e-8),
+                            "surface fraction {fraction}, offset {offset}: {difference}, stated {stated}"
+                        );
+                        assert!(stated <= 1.0);
+                    }
+                };
+                let transition = |method| fakir::transition(&system, method, &run).unwrap().contact;
+                let pressed = |load, method| fakir::press(&system, load, method, &run).unwrap();
+                let critical = transition(Method::Homogenised);
+                // A press states nothing about what is prescribed.
+                for part in [0.1, 0.4, 0.9] {
+                    for load in [
+                        Load::Indentation(part * critical.indentation),
+                        Load::Force(part * critical.force),
+                    ] {
+                        check(
+                            pressed(load, Method::Homogenised),
+                            pressed(load, Method::default()),
+                        );
+                    }
+                }
+                check(critical, transition(Method::default()));
             }
         }
     }

@@ -5,12 +5,13 @@
 mod spring_layer;
 
 use crate::halfspace::layer::LayerResponse;
-use crate::numerics::convergence::{Judgement, judge, larger, within};
+use crate::numerics::convergence::{Judgement, judge, larger, smaller, within};
 use crate::numerics::roots;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::{Area, Load, MAXIMUM_SURFACE_FRACTION, Method, Point, System, Unsupported};
+use crate::solve::estimate::unknowns_only;
 use crate::state::contact::contact_warnings;
-use crate::state::{ContactState, ErrorEstimate, Run, SolveError, Termination};
+use crate::state::{ContactState, Run, SolveError, Termination};
 use crate::theory::closed_forms::TransitionEstimate;
 use crate::theory::lattice_potential::{hollow_potential, site_potential};
 use spring_layer::{LayerModes, UnitContact};
@@ -26,8 +27,16 @@ const CONVERGED: f64 = 1e-6;
 /// Product of wave number and thickness above which a layer acts as a half-space, up to rounding.
 const LAST_WAVE: f64 = 20.0;
 
-/// Accumulated rounding of a solution: lower bound of the error estimate.
+/// Accumulated rounding of a solution: lower bound of the numerical error.
 const ROUNDING: f64 = 1e-13;
+
+/// Error of the model where a contact is many pitches wide and narrow compared with the lens; it covers the differences from the spectral
+/// method at surface fractions from 0.005 to 0.3 on the three substrates of the paper.
+const MODEL_ERROR: f64 = 0.01;
+
+/// Factor on the square of contact radius over lens radius: the lens of the model is a paraboloid. The force on a sphere differs by 3 % at a
+/// radius of 0.43.
+const PARABOLOID: f64 = 0.25;
 
 /// Constants of the model for one system.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -287,6 +296,17 @@ fn contact_at(
     Ok((at(root.above.position), root.evaluations))
 }
 
+/// Relative error of the model, which does not resolve where the pillars are under the lens: that changes the indentation by the sag of the
+/// lens within a pitch, which relative to the indentation is the square of pitch over contact radius. An error of 1 means that nothing is known.
+fn model_error(system: &System, contact_radius: f64) -> f64 {
+    let pitches = system.pitch() / contact_radius;
+    let slope = contact_radius / system.lens().sphere_radius();
+    smaller(
+        MODEL_ERROR + pitches * pitches + PARABOLOID * slope * slope,
+        1.0,
+    )
+}
+
 fn solve(
     system: &System,
     lattice: &HomogenisedLattice,
@@ -294,9 +314,14 @@ fn solve(
 ) -> Result<ContactState, SolveError> {
     let (contact, iterations) = contact_at(system, lattice, LayerModes::fine(), control)?;
     let (coarse, _) = contact_at(system, lattice, LayerModes::coarse(), control)?;
-    let error = ErrorEstimate {
-        force: relative_difference(coarse.force, contact.force),
-        indentation: relative_difference(coarse.indentation, contact.indentation),
+    let numerical = larger(
+        relative_difference(coarse.force, contact.force),
+        relative_difference(coarse.indentation, contact.indentation),
+    );
+    let termination = if within(numerical, CONVERGED) {
+        Termination::Converged
+    } else {
+        Termination::Stagnated
     };
     let cell = system.arrangement().cell_area();
     let central_force = contact.central_pressure * cell;
@@ -317,12 +342,12 @@ fn solve(
         pillars_in_contact: (pillars.round() as usize).max(1),
         smallest_floor_gap: system.pillar().height * gap,
         smallest_gap_position: nearest_hollow(system),
-        error,
-        termination: if within(larger(error.force, error.indentation), CONVERGED) {
-            Termination::Converged
-        } else {
-            Termination::Stagnated
-        },
+        error: unknowns_only(
+            control,
+            termination,
+            [larger(model_error(system, contact.radius), numerical); 2],
+        ),
+        termination,
         iterations,
         warnings: contact_warnings(contact.radius / system.lens().sphere_radius()),
         ..ContactState::untouched(system, Method::Homogenised, 0.0)
@@ -402,7 +427,8 @@ mod tests {
                 percent(state.contact.contact_radius, reference.top_contact_radius).abs() < 3.0
             );
             assert!(state.contact.converged());
-            assert!(state.contact.error.force < 1e-8);
+            let stated = 100.0 * state.contact.error.force;
+            assert!(stated > deviation.abs() && stated < 40.0);
             assert_eq!(state.regime, Regime::TopFirst);
         }
         // 38.3 mN at 0.2: the exact method, to the digits given.
