@@ -218,6 +218,29 @@ fn the_share_of_the_floor_begins_at_zero() {
     assert!(pressed(&array, load, Accuracy::Default).floor.is_none());
 }
 
+/// Just past the transition the floor is displaced by 1e-5 of the indentation: expected is convergence, with a force that begins with that of the
+/// critical state and grows with the stiffness.
+#[test]
+fn the_floor_is_solved_where_its_load_is_small() {
+    let run = Run::default();
+    let rows = (0..9).map(|k| [f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0]);
+    let tops: Vec<Top> = rows.map(|at| (at.map(|x| 25.0 * x), 4.0, 0.0)).collect();
+    let array = array(2.2, &tops);
+    let critical = array.transition(Accuracy::Default, &run).unwrap().contact;
+    for past in [3e-5, 1e-4] {
+        let load = Load::Indentation((1.0 + past) * critical.indentation);
+        let found = pressed(&array, load, Accuracy::Default);
+        let expected =
+            critical.force + past * critical.indentation * critical.slopes.force_with_indentation;
+        let off = found.force / expected - 1.0;
+        let share = floor(&found).share;
+        println!("{past:e} {off:e}, {share:e}");
+        // The floor relieves the tops, whose stiffness changes in proportion to the indentation.
+        assert!(off > 0.0 && off < share + past * past);
+        assert!(share < past);
+    }
+}
+
 /// Expected: the indentation under the force of a prescribed indentation is that indentation.
 #[test]
 fn derivatives_end_where_the_floor_carries_load() {

@@ -472,15 +472,16 @@ impl<'a> Ground<'a> {
         let area = mesh.cells.grid().cell_area();
         let mut extrapolation = Extrapolation::default();
         for _ in 0..TURNS {
+            // Relative to the indentation, which may exceed the displacements by the floor by more than their digits allow.
             let gap: Vec<f64> = (mesh.separation.iter())
                 .zip(&pressed.sunk)
-                .map(|(separation, sunk)| separation + sunk)
+                .map(|(separation, sunk)| separation - indentation + sunk)
                 .collect();
             let floor = solver::solve(
                 &mut mesh.operator,
                 &gap,
                 area,
-                Prescribed::Indentation(indentation),
+                Prescribed::Indentation(0.0),
                 Some(&pressed.pressure),
                 &settings,
                 &self.run.cancel,
