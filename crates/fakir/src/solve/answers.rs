@@ -242,7 +242,13 @@ fn solve(
                 point.indentation - solution.outcome.indentation
             });
             if floor_carries && gap < 0.0 {
-                return mixed::past_transition(system, scene, target, accuracy, solution, run);
+                let indentation = solution.outcome.indentation;
+                let state = mixed::past_transition(system, scene, target, accuracy, solution, run)?;
+                if state.floor.is_some() {
+                    return Ok(state);
+                }
+                // The cells do not resolve so small a contact: the tops alone carry load, and penetrate the floor by this gap.
+                return Ok(floor_gap(scene, state, indentation, lowest));
             }
             let error = refined(&mut solution, target, run)?;
             if accuracy == Accuracy::Default && larger(error.force, error.indentation) > UNRESOLVED

@@ -67,6 +67,30 @@ fn without_floor(system: &System) -> System {
     system.with_floor(FloorModel::Ignored)
 }
 
+/// Whether the floor is reached is stated once: a state without a gap carries load on the floor, and a negative gap is one that cells do not resolve.
+#[test]
+fn the_gap_just_past_the_transition_is_that_of_the_state() {
+    let system = system(0.05, 2.0e6, 0.0);
+    let critical = critical(&system);
+    for past in [-1e-5, 1e-5, 1e-3] {
+        for load in [
+            Load::Indentation((1.0 + past) * critical.indentation),
+            Load::Force((1.0 + 5.0 * past) * critical.force),
+        ] {
+            let found = pressed(&system, load, Accuracy::Default);
+            let gap = found.smallest_floor_gap;
+            println!(
+                "{past:e} {gap:e} {:?}",
+                found.floor.as_ref().map(|floor| floor.share)
+            );
+            assert_eq!(found.floor.is_some(), gap == 0.0);
+            assert_eq!(found.beyond_transition(), gap <= 0.0);
+            // The gap closes at most as fast as the lens descends.
+            assert!(gap.abs() <= 1.1 * past.abs() * critical.indentation);
+        }
+    }
+}
+
 fn critical(system: &System) -> ContactState {
     let critical = fakir::transition(system, Method::default(), &Run::default());
     critical.expect("a critical state").contact

@@ -7,7 +7,6 @@ use super::load::{Layout, Shape};
 use super::newton::{self, Aim, Settled, Trouble};
 use crate::halfspace::disc::basis::{UNIT_FORCE, eigenvalue, mode_count};
 use crate::halfspace::layer::discs::around_force;
-use crate::numerics::convergence::larger;
 use crate::numerics::dense::Lu;
 use crate::problem::layer::WeightedLayer;
 use crate::problem::load::Prescribed;
@@ -439,12 +438,6 @@ impl AsperityArray {
             };
             if let Some(depth) = self.floor() {
                 contact.floor_gap = bench.floor_gap(&contact, depth, run)?;
-                if let Some(floor) = &mut contact.floor_gap
-                    && self.is_floor_loaded()
-                {
-                    // Past the transition by less than the smallest cells resolve.
-                    floor.gap = larger(floor.gap, 0.0);
-                }
             }
         }
         contact.checked()

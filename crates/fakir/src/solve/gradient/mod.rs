@@ -46,7 +46,8 @@ pub(crate) fn gradient(
     }
     if find_patch(&scene, target).is_some() {
         return Err(refused(
-            "the lens touches a part of one pillar top and nothing else, and so does not see its pattern; raise the load",
+            "the lens touches a part of one pillar top and nothing else, where derivatives are not computed; raise the load, or take those of a flat surface: \
+             without columns it has the same contact",
         ));
     }
     let guess = homogenised_guess(system, &scene, target).map(radius_of);
