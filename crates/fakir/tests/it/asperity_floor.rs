@@ -273,7 +273,6 @@ fn a_prescribed_force_is_that_at_its_indentation() {
 #[test]
 fn tops_without_curvature_are_flat() {
     let depth = 0.8;
-    // Tops beside the axis would be touched at their rims first.
     let places = [[0.0, 0.0]];
     let rubber = Material::new(2e6, 0.5);
     let tops = places.map(|[x, y]| Asperity {

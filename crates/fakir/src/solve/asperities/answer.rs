@@ -330,7 +330,12 @@ impl Equations<'_> {
                     Hold::Whole => [0.0; 2],
                     _ => doubt,
                 };
-                doubt[0] += DRAWN * drawn * drawn;
+                // A disc leaves out most of a narrow contact along the rim of a top whose highest point is beyond it.
+                let rim = self.rim(disc.asperity);
+                let is_narrow =
+                    !self.is_inside(disc.asperity, self.layout.summits[disc.asperity].place);
+                let covered = if is_narrow { disc.radius / rim } else { 1.0 };
+                doubt[0] += DRAWN * (drawn / covered).powi(2);
                 doubt[1] += drawn;
             }
             doubts[0] += pressed * doubt[0];
@@ -410,7 +415,7 @@ impl AsperityArray {
     /// pressures only, unless it is [adhesive](crate::problem::Adhesion::floor) too.
     ///
     /// # Errors
-    /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
+    /// An invalid load, contacts that merge ([`SolveError::ContactsMerge`]), with adhesion an asperity touched at its rim ([`SolveError::TouchedAtRim`]),
     /// a contact too large for the lens or for the memory limit, or cancellation. [`Load::FloorContact`] is the contact of the
     /// [critical state](Self::transition), with [`SolveError::NoFloor`] for an array without a floor. A solution that did not converge is not an error; it is reported by [`AsperityContact::termination`].
     pub fn press(

@@ -40,6 +40,9 @@ const NOTHING: f64 = 1e-13;
 /// Radius of the disc on which the far field at an untouched asperity is evaluated, as a fraction of the largest radius.
 const FEELER: f64 = 1e-3;
 
+/// Distance of a point just inside the rim from the axis of its pillar, in radii.
+const INSIDE: f64 = 0.999_999;
+
 /// Distance from the rim of a contact that no longer fills its top, as a fraction of the radius of the top. It is halved every second step:
 /// if the contact reaches the rim again from there, its radius is larger.
 const LOOSENED: f64 = 0.03;
@@ -146,6 +149,17 @@ impl Equations<'_> {
         (x - apex[0]).hypot(y - apex[1]) < self.rim(asperity)
     }
 
+    /// The point, moved to just inside the rim if it is beyond it.
+    fn within_rim(&self, asperity: usize, place: Point) -> Point {
+        if self.is_inside(asperity, place) {
+            return place;
+        }
+        let apex = self.layout.asperities[asperity].apex;
+        let [x, y] = [0, 1].map(|k| place[k] - apex[k]);
+        let part = INSIDE * self.rim(asperity) / x.hypot(y);
+        [apex[0] + part * x, apex[1] + part * y]
+    }
+
     /// The contact of an isolated asperity with this overlap at a point.
     fn seed(&self, asperity: usize, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
         let curvature = self.layout.summits[asperity].curvature;
@@ -157,6 +171,38 @@ impl Equations<'_> {
             grip: self.grip,
         };
         self.constrain_at_rim(&mut disc);
+        self.filled(disc, place, pressed)
+    }
+
+    /// The contact of an asperity whose highest point is beyond the rim, with this overlap at the point of the rim next to it: larger in proportion to
+    /// the overlap, up to the whole top. A flat punch on a half-space that is tilted by `t` at its rim is in full contact from an overlap of `3 t` at the
+    /// rim on (K. L. Johnson, Contact Mechanics, 1985, sec. 3.8 and 5.5).
+    fn seed_at_rim(&self, asperity: usize, feeling: &Feeling) -> (Disc, Vec<f64>) {
+        let (rim, apex) = (self.rim(asperity), self.layout.asperities[asperity].apex);
+        let place = self.within_rim(asperity, feeling.place);
+        let beyond = (feeling.place[0] - place[0]).hypot(feeling.place[1] - place[1]);
+        let tilt = self.layout.summits[asperity].curvature * beyond * rim;
+        let part = (feeling.overlap / (3.0 * tilt)).min(1.0);
+        let mut disc = Disc {
+            asperity,
+            centre: apex,
+            radius: part * rim,
+            hold: Hold::Whole,
+            grip: self.grip,
+        };
+        if part < 1.0 {
+            let angle = (place[1] - apex[1]).atan2(place[0] - apex[0]);
+            disc.hold = Hold::Leaning { angle, edge: 0.0 };
+            self.lean(&mut disc, angle);
+        }
+        let compliance = self.layout.asperities[asperity].column_compliance;
+        let pressed = feeling.overlap / (1.0 + 2.0 * compliance * disc.radius);
+        self.filled(disc, place, pressed)
+    }
+
+    /// A disc with the moments that an isolated asperity with this overlap at a point would have.
+    fn filled(&self, disc: Disc, place: Point, pressed: f64) -> (Disc, Vec<f64>) {
+        let asperity = disc.asperity;
         let mut load = self.rule.workspace();
         self.fill_load(&disc, &mut load);
         load.value[0] += UNIT_FORCE * (pressed - self.overlap(asperity, place).value);
@@ -530,8 +576,11 @@ impl Equations<'_> {
             let curvature = self.layout.summits[asperity].curvature;
             if feeling.overlap * curvature.recip() > NOTHING * largest * largest
                 && feeling.overlap > 0.0
-                && self.is_inside(asperity, feeling.place)
             {
+                if !self.is_inside(asperity, feeling.place) {
+                    fresh.push(self.seed_at_rim(asperity, &feeling));
+                    continue;
+                }
                 let compliance = self.layout.asperities[asperity].column_compliance;
                 let pressed = pressed_with_column(feeling.overlap, curvature, compliance);
                 fresh.push(self.seed(asperity, feeling.place, pressed));
@@ -578,7 +627,8 @@ impl Equations<'_> {
         let mut reach: f64 = 0.0;
         for asperity in waiting {
             for disc in &contacts.discs {
-                let part = (disc.radius + feeler) / disc.distance(contacts.nearest[*asperity]);
+                let place = self.within_rim(*asperity, contacts.nearest[*asperity]);
+                let part = (disc.radius + feeler) / disc.distance(place);
                 reach = reach.max(part);
             }
         }
@@ -627,7 +677,7 @@ impl Equations<'_> {
         }
     }
 
-    /// Overlap of an asperity that is not in contact, at its highest point.
+    /// Overlap of an asperity that is not in contact, at its highest point; if that is beyond its rim, at the point of the rim next to it.
     fn feel(
         &self,
         contacts: &Contacts,
@@ -636,7 +686,7 @@ impl Equations<'_> {
         block: &mut PairBlock,
     ) -> Feeling {
         let size = self.modes();
-        let place = contacts.nearest[asperity];
+        let place = self.within_rim(asperity, contacts.nearest[asperity]);
         let mut jet = self.overlap(asperity, place);
         jet.value += contacts.indentation;
         let discs = contacts.discs.iter();
@@ -661,9 +711,13 @@ impl Equations<'_> {
             jet.slope[1] -= scale * far(2);
         }
         let step = to_summit(&jet);
-        let gained = 0.5 * (jet.slope[0] * step[0] + jet.slope[1] * step[1]);
+        let summit = [place[0] + step[0], place[1] + step[1]];
+        let gained = match self.is_inside(asperity, summit) {
+            true => 0.5 * (jet.slope[0] * step[0] + jet.slope[1] * step[1]),
+            false => 0.0,
+        };
         Feeling {
-            place: [place[0] + step[0], place[1] + step[1]],
+            place: summit,
             overlap: jet.value + gained,
             swallowed: None,
         }
@@ -682,17 +736,9 @@ impl Equations<'_> {
         let feeler = FEELER * contacts.largest_radius();
         self.pair.prepare(0.98);
         let mut block = self.pair.workspace();
-        let mut beside = contacts.clone();
-        outside.into_iter().find(|&asperity| {
-            let apex = self.layout.asperities[asperity].apex;
-            let [x, y] = [0, 1].map(|k| beside.nearest[asperity][k] - apex[k]);
-            let part = 0.999_999 * self.rim(asperity) / x.hypot(y);
-            beside.nearest[asperity] = [apex[0] + part * x, apex[1] + part * y];
-            let here = self.feel(&beside, asperity, feeler, &mut block);
-            let [x, y] = [0, 1].map(|k| here.place[k] - beside.nearest[asperity][k]);
-            let curvature = self.layout.summits[asperity].curvature;
-            here.overlap > 0.5 * curvature * (x * x + y * y)
-        })
+        outside
+            .into_iter()
+            .find(|&asperity| self.feel(contacts, asperity, feeler, &mut block).overlap > 0.0)
     }
 }
 
