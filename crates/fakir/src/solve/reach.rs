@@ -28,6 +28,9 @@ const LIFT_OFF: f64 = 0.02;
 /// Fraction of the largest stress intensity factor below which the sign may change between nodes.
 const NEAR_LIFT_OFF: f64 = 0.05;
 
+/// Factor on the difference from the radius of Hertz's contact under the same force, which the contact exceeds if it is cut by the rim.
+const EDGE_SAFETY: f64 = 1.2;
+
 /// Error of the gap over a pillar: this fraction of the indentation, plus the opening of the lens over this fraction of the pillar radius.
 const GAP_ERROR: f64 = 1e-4;
 const PLACE_ERROR: f64 = 0.03;
@@ -92,6 +95,11 @@ pub(super) fn contact_reach(
     candidates.retain(|candidate| candidate.reach >= farthest - 2.0 * coarse_error);
     candidates.sort_by(|a, b| b.reach.total_cmp(&a.reach));
     refine(newton, &mut candidates, &mut finder);
+    if let ([only], [candidate]) = (touched, &mut candidates[..])
+        && let Some(radius) = hertz_radius(newton, only)
+    {
+        candidate.error = (EDGE_SAFETY * (candidate.reach - radius).abs()).max(candidate.error);
+    }
     let Some(best) = candidates
         .iter()
         .max_by(|a, b| (a.reach - a.error).total_cmp(&(b.reach - b.error)))
@@ -111,6 +119,17 @@ pub(super) fn contact_reach(
         radius,
         error: error.max(marginal(newton, indentation, touched, radius)),
     }
+}
+
+/// Radius of Hertz's contact under the force on the only touched top, if a part of it around the lens axis is touched. It is that of a contact that
+/// hardly reaches the rim: the gap opens so slowly beside its edge that the covered part of a wide top is too large.
+fn hertz_radius(newton: &Newton<'_>, only: &TouchedPillar) -> Option<f64> {
+    let scene = &newton.scene;
+    let is_around_axis = distance_of(only) < only.disc.radius;
+    let is_hertzian =
+        scene.lens.is_axisymmetric() && !scene.lens.is_flat() && scene.layers.is_empty();
+    (only.disc.gap.is_some() && is_around_axis && is_hertzian)
+        .then(|| (0.75 * scene.lens.apex_radius() * newton.force()).cbrt())
 }
 
 fn distance_of(pillar: &TouchedPillar) -> f64 {

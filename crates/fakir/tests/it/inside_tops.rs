@@ -267,6 +267,26 @@ fn a_disc_that_comes_to_the_rim_on_one_side_states_its_error() {
     assert!(answers > 22, "{answers}");
 }
 
+/// Expected: Hertz's radius, where the contact on a top of 100 um exceeds the rim by less than 1 um on one side.
+#[test]
+fn the_radius_of_a_disc_that_comes_to_the_rim_states_its_error() {
+    let rubber = Material::new(2e6, 0.5);
+    for [offset, indentation] in [[25e-6, 0.3e-6], [25e-6, 0.31e-6], [30e-6, 0.2e-6]] {
+        let lens = ShapedLens::new(LensShape::Sphere { radius: 2.2e-3 }, rubber);
+        let system = one_pillar(lens, rubber, 1e-4, [offset, 0.0]);
+        for accuracy in [Accuracy::Default, Accuracy::Accurate] {
+            let load = Load::Indentation(indentation);
+            let method = Method::Spectral(accuracy);
+            let found = fakir::press(&system, load, method, &Run::default()).unwrap();
+            let expected = (2.2e-3 * indentation).sqrt();
+            let off = (found.contact_radius - expected).abs();
+            println!("{offset:e} {off:e} {:e}", found.contact_radius_error);
+            assert!(off <= found.contact_radius_error + 1e-3 * expected);
+            assert!(found.contact_radius_error < 0.35 * expected);
+        }
+    }
+}
+
 /// At the rim the force is still that of the disc (K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971)).
 #[test]
 fn an_adhesive_disc_that_reaches_the_rim_on_one_side_states_its_error() {
