@@ -619,7 +619,7 @@ impl<'a> Ground<'a> {
         let mut known: Option<(Cells, Pressed)> = None;
         let mut of_degree = None;
         let mut side = f64::INFINITY;
-        let (mut number, mut growths) = (0, 0);
+        let (mut number, mut growths, mut is_narrowed) = (0, 0, false);
         loop {
             // The derivatives are differences.
             let bound_of_mesh = bound + 2.0 * step(bound);
@@ -684,8 +684,13 @@ impl<'a> Ground<'a> {
             }
             guess = indentation;
             if let Prescribed::Force(_) = target {
-                let past = larger(bound - indentation, indentation - self.depth);
-                bound = smaller(bound, indentation + BEYOND * past);
+                let [beyond, past] = [bound - indentation, indentation - self.depth];
+                bound = smaller(bound, indentation + BEYOND * larger(beyond, past));
+                // Cells for a far larger contact, as of a distant top alone, would make all grids too coarse.
+                if number == 0 && is_solved && beyond > past && !is_narrowed {
+                    is_narrowed = true;
+                    continue;
+                }
             }
             levels.push(level);
             if number == 2 || !is_solved {
