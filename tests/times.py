@@ -3,7 +3,7 @@
     python tests/times.py PROGRAM FOLDER NAME [PROGRAM FOLDER NAME ...]
 
 Runs each test of the programs in a separate process with one thread, so that a result that several tests share counts for
-each of them. Tests of the second tier (marked `ignore`) are printed with a star.
+each of them. Tests of the second tier (marked `ignore`) are printed with a star; campaigns, which are run by hand, are left out.
 """
 
 import os
@@ -33,7 +33,7 @@ def main(arguments):
     rows = []
     for program, folder, crate in zip(*[iter(arguments)] * 3, strict=True):
         slow = set(names(program, folder, "--ignored"))
-        for name in names(program, folder):
+        for name in names(program, folder, "--skip", "campaign_of_"):
             time, status = seconds(program, folder, name)
             rows.append((time, name in slow, f"{crate} {name}" + ("" if status == 0 else f" FAILED ({status})")))
     rows.sort(reverse=True)

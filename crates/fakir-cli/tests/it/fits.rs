@@ -496,6 +496,7 @@ fn bad_input_of_several_files_ends_with_status_2() {
 
 /// The three curves together: one modulus, 1.4 MPa, and the contact points of crates/fakir-inverse/examples/synthetic_curves.rs.
 #[test]
+#[ignore = "slow: a joint fit of three files"]
 fn several_files_are_fitted_together() {
     let bench = Bench::new();
     let case = example("fit/case.toml");
@@ -608,6 +609,7 @@ fn measured(cycle: &str, contact_point: f64, noise: f64, seed: u64) -> String {
 /// Two cycles on adhesive pillars and one on a flat sample of the same rubber: modulus and work of adhesion of all of them, 2 MPa and 50 mJ/m^2, and a
 /// contact point for each.
 #[test]
+#[ignore = "slow: a joint fit of adhesive pillars and a flat surface"]
 fn pillars_and_a_flat_reference_are_fitted_together() {
     let bench = Bench::new();
     let flat = std::fs::read_to_string(example("flat.toml")).unwrap();

@@ -246,6 +246,7 @@ fn other_surfaces_have_one_stress_or_both() {
 
 /// The lateral forces of the program itself, before and past the transition of rounded tops, give the stresses again.
 #[test]
+#[ignore = "slow: a fit of friction with the floor"]
 fn stresses_on_rounded_tops_and_the_floor_are_found_again() {
     let bench = Bench::new();
     let mut case = vec![example("paper-intermediate.toml")];

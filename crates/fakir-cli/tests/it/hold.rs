@@ -24,6 +24,7 @@ fn json(bench: &Bench, arguments: &[&str]) -> Value {
 /// Expected: 2 tau ln 3 under 1.2 times the critical force, which creeps from 1/2 of its relaxed displacement; never below the critical force;
 /// at once above twice it.
 #[test]
+#[ignore = "slow: a time to floor contact by search"]
 fn time_to_floor_contact() {
     let bench = Bench::new();
     let case = example("paper-intermediate.toml");

@@ -828,6 +828,7 @@ fn a_stated_error_above_a_half_is_no_answer() {
 
 /// A design reports the error of the cells; a fit of the loading curve of the command itself finds its modulus again.
 #[test]
+#[ignore = "slow: designs and fits on height maps"]
 fn surfaces_are_designed_and_fitted() {
     let case = example("square-pillars.toml");
     let critical = json(&fakir("transition", &case, &["--json"]));

@@ -117,6 +117,7 @@ fn rounded_tops_follow_the_load() {
 
 /// The loading of the curve is that of the library, and with adhesion the unloading too.
 #[test]
+#[ignore = "slow: a loading of rounded tops past the transition"]
 fn curves_of_rounded_tops_are_those_of_the_library() {
     let mut values = rounded(0.03);
     values["pattern.columns"] = json!(3);

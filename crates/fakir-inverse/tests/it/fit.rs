@@ -313,6 +313,7 @@ fn states_past_the_transition_are_left_out_where_the_floor_is_ignored() {
 
 /// Most of the states are past the transition.
 #[test]
+#[ignore = "slow: a fit past the transition"]
 fn states_past_the_transition_are_used_with_the_floor() {
     let truth = case_file(&[SPECTRAL, "substrate.young_modulus=1.3MPa"]);
     let depths = [1e-6, 2e-6, 3.5e-6, 4e-6, 4.5e-6, 5e-6];

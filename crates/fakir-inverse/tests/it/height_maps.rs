@@ -118,6 +118,7 @@ fn a_flat_map_is_a_flat_surface() {
 /// Of ten draws of noise, the 95 % intervals contain the truth in seven or more except once in ten thousand; the forces are those of the map, solved
 /// at every row.
 #[test]
+#[ignore = "slow: several draws on a height map"]
 fn intervals_contain_the_truth_on_a_wavy_map() {
     let truth = map(waves, &["substrate.young_modulus=1.6MPa"]);
     let system = truth.surface_case(MEMORY).unwrap().system;
@@ -166,6 +167,7 @@ fn intervals_contain_the_truth_on_a_wavy_map() {
 
 /// Round pillars on cells and by the spectral method give the same modulus, to within the estimated error of the cells.
 #[test]
+#[ignore = "slow: a fit on cells"]
 fn pillars_on_cells_agree_with_the_spectral_method() {
     let pattern = format!(
         "{BODIES}[pattern]\npitch = \"20 um\"\n[pattern.pillar]\nheight = \"2 um\"\ndiameter = \"10 um\"\n"

@@ -169,6 +169,7 @@ fn a_floor_share_of_rounded_tops_is_found_again() {
 }
 
 #[test]
+#[ignore = "slow: a design with an adhesive floor"]
 fn a_floor_share_of_adhesive_rounded_tops_is_found_again() {
     check_floor_share(&file(&["adhesion.work=20mJ/m2"]));
 }

@@ -218,6 +218,7 @@ fn a_prescribed_force_is_that_at_its_indentation() {
 /// A low top, which is touched while the floor carries load already. Expected: before and after, the contacts with three and with four tops
 /// in contact; the force drops as the top pulls the lens, and the floor carries more.
 #[test]
+#[ignore = "slow: a loading with jumps, on three grids at every load"]
 fn a_top_jumps_into_contact_past_the_transition() {
     let mut tops = WIDE.to_vec();
     tops.push(([-30.0, -40.0], 12.0, -0.5));

@@ -78,6 +78,7 @@ fn flat(layers: [Option<Layer>; 2]) -> FlatSystem {
 /// One top under a plate is a paraboloid on a flat surface, whose contact is computed with the kernel of the layers in closed form. The contact
 /// radius is 0.1 to 5.5 of the thickness.
 #[test]
+#[ignore = "slow: contacts on films of several thicknesses"]
 fn one_top_is_a_lens_on_a_flat_film() {
     let run = Run::default();
     for thickness in [8.0 * UM, 20.0 * UM, 70.0 * UM, 250.0 * UM] {
@@ -174,6 +175,7 @@ fn far_tops_on_a_film_are_alone() {
 
 /// Contacts on every top with boundary elements, on a film and under a layer.
 #[test]
+#[ignore = "slow: several tops on films, against boundary elements"]
 fn boundary_elements_agree_on_films() {
     let tops = [
         [0.0, 0.0, 0.0],
@@ -195,6 +197,7 @@ fn boundary_elements_agree_on_films() {
 /// Three full tops and the floor between them on films, against boundary elements on the height map of the same pillars. Beside the pillars an
 /// incompressible film rises.
 #[test]
+#[ignore = "slow: tops and floor on films, against boundary elements"]
 fn tops_and_floor_on_films_are_those_of_boundary_elements() {
     let pillars = [
         ([9.0, 4.0], 12.0, 0.0),
@@ -292,6 +295,7 @@ fn critical_states_on_films() {
 
 /// Exact derivatives against central differences over 1e-4 of every quantity, at an indentation, under a force, and at the critical state.
 #[test]
+#[ignore = "slow: derivatives by all layers, against differences"]
 fn derivatives_with_layers_are_those_of_differences() {
     let run = Run::default();
     let base = Material::new(5e6, 0.3);

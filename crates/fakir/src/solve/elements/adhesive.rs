@@ -858,49 +858,4 @@ mod tests {
         let cycle = cycle_to(&system, 0.2e-6);
         assert!(cycle.loop_area.unwrap() > 0.0);
     }
-
-    #[test]
-    fn rough_timing() {
-        let lens = Indenter::from(Lens {
-            radius: 2.2e-3,
-            material: rubber(),
-        });
-        let grid = Grid::centred(200, 200, 1e-6).unwrap();
-        let map = HeightMap::from_height(grid, |[x, y]| {
-            (1..12)
-                .map(|k| {
-                    let k = f64::from(k);
-                    0.35e-6 / k * (k * x / 20e-6 + k * k).cos() * (k * y / 17e-6 - 3.0 * k).cos()
-                })
-                .sum::<f64>()
-        })
-        .unwrap();
-        let system = SurfaceSystem::new(lens, rubber(), map, Boundary::FreeSpace).unwrap();
-        let system = system.with_adhesion(Adhesion::new(20e-3)).unwrap();
-        let begun = std::time::Instant::now();
-        let contact = system
-            .press(Load::Indentation(1e-6), &Run::default())
-            .unwrap();
-        println!(
-            "TIMING press {:?} F {} area {} products {} {:?}",
-            begun.elapsed(),
-            contact.force,
-            contact.contact_area,
-            contact.products,
-            contact.error
-        );
-        let begun = std::time::Instant::now();
-        let cycle = cycle_to(&system, 1e-6);
-        println!(
-            "TIMING cycle {:?} {:?} {:?} {:?} steps {} products {}",
-            begun.elapsed(),
-            cycle
-                .pull_off
-                .map(|it| (it.force, it.indentation, it.products)),
-            cycle.errors,
-            cycle.loop_area,
-            cycle.load_steps.len(),
-            cycle.turn.products
-        );
-    }
 }

@@ -324,6 +324,7 @@ mod tests {
     }
 
     #[test]
+    #[ignore = "slow: derivatives for all lenses and bases"]
     fn derivatives_are_those_of_differences() {
         for shape in ["sphere", "paraboloid", "profile", "punch"] {
             let radius = if shape == "punch" { 50e-6 } else { 2e-3 };
@@ -346,6 +347,7 @@ mod tests {
 
     /// A film on an elastic base, and a lens on a rigid one.
     #[test]
+    #[ignore = "slow: derivatives by every layer, for all lenses"]
     fn derivatives_by_layers_are_those_of_differences() {
         let films = Numbers {
             thickness: [60e-6, 300e-6],
