@@ -179,9 +179,21 @@ impl<'a> Bench<'a> {
 
     /// The point of the curve at a radius, interpolated if there are many loads.
     fn reached(&self, radius: f64, work: f64) -> Reached {
-        let chart = self.chart.as_ref();
-        let charted = chart.and_then(|chart| chart.at(self, radius, work));
-        charted.unwrap_or_else(|| self.at(radius, work).reached())
+        let solved = |radius: f64| self.at(radius, work).reached();
+        let charted = self.chart.as_ref().and_then(|chart| {
+            chart.at((radius, work), self.largest(), |radius| {
+                let contact = solved(radius);
+                [contact.indentation, contact.force]
+            })
+        });
+        match charted {
+            Some([indentation, force]) => Reached {
+                radius,
+                indentation,
+                force,
+            },
+            None => solved(radius),
+        }
     }
 
     /// The contact of a radius at an indentation.

@@ -3,7 +3,6 @@
 //! Indentation and force are smooth in the contact radius, with a singularity at 0 alone. On an octave of radii they are therefore polynomials, through
 //! Chebyshev points, to nearly all digits.
 
-use super::{Bench, Reached};
 use crate::numerics::convergence::{larger, smaller, within};
 use std::array::from_fn;
 use std::cell::RefCell;
@@ -23,8 +22,14 @@ pub(super) struct Chart {
 }
 
 impl Chart {
-    /// The contact of a radius whose rim has a work of adhesion; `None` where it has to be solved.
-    pub(super) fn at(&self, bench: &Bench<'_>, radius: f64, work: f64) -> Option<Reached> {
+    /// Indentation and force of the contact of a radius whose rim has a work of adhesion, by contacts of radii up to the largest that are solved; `None`
+    /// where it has to be solved itself.
+    pub(super) fn at(
+        &self,
+        (radius, work): (f64, f64),
+        largest: f64,
+        solved: impl Fn(f64) -> [f64; 2],
+    ) -> Option<[f64; 2]> {
         let number = radius.log2().floor();
         if !number.is_finite() {
             return None;
@@ -34,8 +39,7 @@ impl Chart {
             .entry((work.to_bits(), number as i32))
             .or_insert_with(|| {
                 let low = number.exp2();
-                let ends = [low, smaller(2.0 * low, bench.largest())];
-                Octave::through(ends, |radius| bench.at(radius, work).reached())
+                Octave::through([low, smaller(2.0 * low, largest)], solved)
             });
         octave.as_ref()?.at(radius)
     }
@@ -44,36 +48,34 @@ impl Chart {
 /// Indentation and force as sums of Chebyshev polynomials.
 struct Octave {
     ends: [f64; 2],
-    indentation: [f64; POINTS],
-    force: [f64; POINTS],
+    coefficients: [[f64; POINTS]; 2],
 }
 
 impl Octave {
-    fn through(ends: [f64; 2], contact: impl Fn(f64) -> Reached) -> Option<Self> {
+    fn through(ends: [f64; 2], solved: impl Fn(f64) -> [f64; 2]) -> Option<Self> {
         let [low, high] = ends;
         let angle = |point: usize| PI * (point as f64 + 0.5) / POINTS as f64;
-        let contacts: [Reached; POINTS] = from_fn(|point| {
-            contact(f64::midpoint(low, high) + 0.5 * (high - low) * angle(point).cos())
+        let contacts: [[f64; 2]; POINTS] = from_fn(|point| {
+            solved(f64::midpoint(low, high) + 0.5 * (high - low) * angle(point).cos())
         });
-        let coefficients = |value: fn(&Reached) -> f64| -> Option<[f64; POINTS]> {
-            let all: [f64; POINTS] = from_fn(|degree| {
+        let coefficients = [0, 1].map(|which| {
+            from_fn(|degree| {
                 let parts = contacts.iter().enumerate();
                 let sum: f64 = parts
-                    .map(|(point, of)| value(of) * (degree as f64 * angle(point)).cos())
+                    .map(|(point, of)| of[which] * (degree as f64 * angle(point)).cos())
                     .sum();
                 sum * if degree == 0 { 1.0 } else { 2.0 } / POINTS as f64
-            });
+            })
+        });
+        let is_resolved = |all: &[f64; POINTS]| {
             let largest = |of: &[f64]| of.iter().fold(0.0, |most, one| larger(most, one.abs()));
-            within(largest(&all[POINTS - 2..]), RESOLVED * largest(&all)).then_some(all)
+            within(largest(&all[POINTS - 2..]), RESOLVED * largest(all))
         };
-        Some(Self {
-            ends,
-            indentation: coefficients(|of| of.indentation)?,
-            force: coefficients(|of| of.force)?,
-        })
+        let is_smooth = coefficients.iter().all(is_resolved);
+        is_smooth.then_some(Self { ends, coefficients })
     }
 
-    fn at(&self, radius: f64) -> Option<Reached> {
+    fn at(&self, radius: f64) -> Option<[f64; 2]> {
         let [low, high] = self.ends;
         let place = (2.0 * radius - low - high) / (high - low);
         // Sum by C. W. Clenshaw, Math. Tables Aids Comput. 9, 118 (1955).
@@ -84,10 +86,6 @@ impl Octave {
             }
             coefficients[0] + place * next - beyond
         };
-        within(place.abs(), 1.0).then(|| Reached {
-            radius,
-            indentation: sum(&self.indentation),
-            force: sum(&self.force),
-        })
+        within(place.abs(), 1.0).then(|| self.coefficients.each_ref().map(sum))
     }
 }
