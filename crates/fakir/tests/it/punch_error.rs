@@ -62,11 +62,13 @@ fn the_stated_error_covers_what_the_homogenised_lattice_leaves_out() {
                         ),
                     ] {
                         println!("{fraction} {offset} {difference:+.4} {stated:.4}");
+                        // In contacts narrower than some 1.4 pitches the model is not valid, and 0.5 is stated.
+                        let is_valid = homogenised.contact_radius > 1.45 * system.pitch();
                         assert!(
-                            difference.abs() <= stated + exact.error.force.max(1e-8),
+                            difference.abs() <= stated + exact.error.force.max(1e-8) || !is_valid,
                             "surface fraction {fraction}, offset {offset}: {difference}, stated {stated}"
                         );
-                        assert!(stated <= 1.0);
+                        assert!(stated < 0.5 || (stated == 0.5 && !is_valid));
                     }
                 };
                 let transition = |method| fakir::transition(&system, method, &run).unwrap().contact;
