@@ -650,7 +650,7 @@ class Pillars:
         columns = [np.asarray(without_mask(values), dtype=float) for values in (x, y, height, diameter)]
         for name, given in (("x", x), ("y", y), ("height", height), ("diameter", diameter)):
             if np.ma.is_masked(given):
-                row = int(np.flatnonzero(np.ma.getmaskarray(given))[0])
+                row = int(np.flatnonzero(np.ma.getmaskarray(np.ma.asarray(given)))[0])
                 raise ValueError(f"{name}[{row}] is masked: leave this pillar out of all columns")
         try:
             columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]

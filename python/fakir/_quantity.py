@@ -101,7 +101,9 @@ def array(values: object, dimension: Dimension, name: str) -> FloatArray:
 def without_mask(values: object) -> npt.NDArray[Any]:
     """An array with NaN where a masked array has no values."""
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
-        return np.asarray(values.astype(np.float64).filled(np.nan))
+        found = np.array(values.data, dtype=np.float64)
+        found[np.ma.getmaskarray(values)] = np.nan
+        return found
     return np.asarray(values)
 
 
