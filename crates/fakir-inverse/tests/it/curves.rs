@@ -43,6 +43,11 @@ fn curve(name: &str, data: Measurements) -> MeasuredCurve {
     }
 }
 
+fn two_threads() -> rayon::ThreadPool {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(2);
+    builder.build().unwrap()
+}
+
 /// Ten curves of one modulus with different contact points.
 fn ten(file: &CaseFile) -> Vec<MeasuredCurve> {
     (0..10u32)
@@ -67,10 +72,7 @@ fn modulus(file: &CaseFile) -> f64 {
 #[test]
 fn ten_curves_have_the_true_mean_and_the_scatter_of_their_errors() {
     let truth = case_file(&[]);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(2)
-        .build()
-        .unwrap();
+    let pool = two_threads();
     let run = Run {
         pool: Some(&pool),
         ..Run::default()
@@ -432,10 +434,7 @@ fn separate_fits_on_every_kind_of_surface() {
         };
         points.iter().map(one).collect()
     };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(2)
-        .build()
-        .unwrap();
+    let pool = two_threads();
     let with_threads = Run {
         pool: Some(&pool),
         ..Run::default()

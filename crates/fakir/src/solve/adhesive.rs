@@ -371,14 +371,9 @@ impl<'a> Loading<'a> {
         let radius = lowest.position[0].hypot(lowest.position[1]) + patch;
         let window = radius + FIRST_WINDOW * scene.field.spacing();
         self.path.attach_floor(lowest, division, window)?;
-        let is_touched = self
-            .path
-            .floor
-            .as_ref()
-            .is_some_and(|floor| floor.bonded() > 0);
         match self.path.floor_works {
             // The first patch is smaller than the cells: so little adhesion is left out, with an error that covers it.
-            Some(works) if !is_touched && self.path.failed.is_none() => {
+            Some(works) if !self.path.touches_floor() && self.path.failed.is_none() => {
                 self.left_out = works.advancing;
                 self.path.floor_works = None;
                 self.attach_floor(lowest, end)
@@ -865,9 +860,7 @@ fn contact_of(path: &Path<'_>, indentation: f64, tops: &[AttachedTop]) -> HeldCo
 /// The current contact, including the floor.
 fn current_contact(path: &Path<'_>) -> HeldContact {
     let tops = contact_of(path, path.indentation(), &path.attached_tops());
-    // Cells may be too large to carry the first load of a floor without adhesion.
-    let is_loaded = path.floor.as_ref().is_some_and(|floor| floor.bonded() > 0);
-    let Some(load) = path.bonded_load().filter(|_| is_loaded) else {
+    let Some(load) = path.bonded_load() else {
         return tops;
     };
     let fields = (*tops.fields).clone();

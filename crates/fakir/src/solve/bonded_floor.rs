@@ -247,9 +247,14 @@ impl<'a> Path<'a> {
 }
 
 impl Path<'_> {
-    /// The pressure on the floor, of either sign.
+    /// Whether a cell of the floor is in contact: cells may be too large to carry the first load.
+    pub(super) fn touches_floor(&self) -> bool {
+        self.floor.as_ref().is_some_and(|floor| floor.bonded() > 0)
+    }
+
+    /// The pressure on the floor, of either sign; `None` if no cell is in contact.
     pub(super) fn bonded_load(&self) -> Option<FloorLoad> {
-        let cells = &self.floor.as_ref()?.cells;
+        let cells = &self.floor.as_ref().filter(|_| self.touches_floor())?.cells;
         let scale = cells.unit_cell().recip();
         let pressures = cells.loaded().iter().zip(self.contact.floor_coefficients());
         let pressures = pressures.filter_map(|(bonded, c)| bonded.then_some(scale * c));

@@ -726,7 +726,7 @@ impl<'a> Path<'a> {
         }
         // A floor without adhesion is touched as soon as the lens penetrates it.
         let may_touch = self.floor_works.is_none() && course == Course::Loading;
-        if !may_touch && self.floor.as_ref().is_some_and(|floor| floor.bonded() == 0) {
+        if !may_touch && self.floor.is_some() && !self.touches_floor() {
             self.lift_floor();
         }
         self.respond()?;
