@@ -111,9 +111,9 @@ class Explorer:
         return f"the page is at {self.page.url}, busy: {self.page.evaluate('() => document.body.dataset.busy')}, stage: {stage!r}"
 
     def press(self, key):
-        """Presses a key, and waits for the end of the frame, in which all changes are drawn together."""
+        """Presses a key, and waits until its change is drawn."""
         self.page.keyboard.press(key)
-        self.page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => drawn()))")
+        self.frame()
 
     def text(self, name):
         return self.page.evaluate(f"() => document.getElementById('{name}').textContent")
@@ -138,8 +138,16 @@ class Explorer:
             self.page.screenshot(path=f"{folder}/{name}.png", full_page=True)
 
     def rest(self):
-        """Waits until the page has the answers to all its requests."""
+        """Waits until the page has the answers to all its requests, and has drawn them.
+
+        A change that asks nothing, as one of the exaggeration, does not make the page busy: it is drawn in the next frame.
+        """
         self.until("document.body.dataset.busy === 'no'")
+        self.frame()
+
+    def frame(self):
+        """Waits for the end of a frame, in which all changes until then are drawn together."""
+        self.page.evaluate("() => new Promise((drawn) => requestAnimationFrame(() => drawn()))")
 
     def change(self, key, value):
         """Enters a value without waiting for the answer."""
