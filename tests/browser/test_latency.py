@@ -5,11 +5,10 @@ every pillar from the punch lattice, whose forces are accurate to one per cent, 
 the pillar tops alone are drawn before the exact map, which includes the floor.
 
 The time is measured from the input event until the frame with the new map has been drawn; each motion starts
-after the map of the previous one. It is printed. As it depends on the machine, the test fails only
-at ten times the target, unless the environment variable STRICT_LATENCY is set.
+after the map of the previous one. As it depends on the machine, and on what else it does, the measurements (`latency`) belong to no tier of the
+checks: `cargo xtask latency` runs them. That every motion ends with the exact map is a test of the second tier.
 """
 
-import os
 import statistics
 
 import pytest
@@ -46,31 +45,23 @@ MEASURE = """async ([moves]) => {
 }"""
 
 
-@pytest.mark.parametrize("surface_fraction, required", [(0.1, 50), (0.2, 400)])
-def test_the_map_follows_the_slider(explore, capsys, surface_fraction, required):
-    page = explore("#" + "&".join(paper(surface_fraction)))
-    median = measured(page, capsys, f"at a surface fraction of {surface_fraction}")
-    assert median["exact"] < allowed(required)
+@pytest.mark.parametrize("surface_fraction, load, stage", [(0.1, 1, "estimate"), (0.03, 1.5, "pillars")])
+def test_every_motion_ends_with_the_exact_map(explore, surface_fraction, load, stage):
+    page = explore("#" + "&".join([*paper(surface_fraction), f"load={load}"]))
+    times = page.page.evaluate(MEASURE, [2])
+    assert times[stage] and len(times["exact"]) == 2
+    assert min(times[stage]) < max(times["exact"])
 
 
-@pytest.mark.parametrize("surface_fraction, required", [(0.03, 100), (0.1, 600)])
-def test_the_map_follows_the_slider_in_mixed_contact(explore, capsys, surface_fraction, required):
-    """Halfway again past the transition: pillar tops and floor."""
-    page = explore("#" + "&".join([*paper(surface_fraction), "load=1.5"]))
-    median = measured(page, capsys, f"past the transition, at a surface fraction of {surface_fraction}")
-    assert median["exact"] < allowed(required)
-
-
-def measured(page, capsys, where):
-    """Median times, ms, until the map of every stage."""
+@pytest.mark.latency
+@pytest.mark.parametrize("surface_fraction, load, required", [(0.1, 1, 50), (0.2, 1, 400), (0.03, 1.5, 100), (0.1, 1.5, 600)])
+def test_the_map_follows_the_slider(explore, capsys, surface_fraction, load, required):
+    """At a load of 1.5, halfway again past the transition, with pillar tops and floor."""
+    page = explore("#" + "&".join([*paper(surface_fraction), f"load={load}"]))
     page.page.evaluate(MEASURE, [3])
     times = page.page.evaluate(MEASURE, [MOVES])
     median = {stage: statistics.median(of) for stage, of in times.items() if of}
     words = ", ".join(f"{stage} {time:.0f} ms" for stage, time in median.items())
     with capsys.disabled():
-        print(f"\nslider to map {where}: median {words}")
-    return median
-
-
-def allowed(required):
-    return required if "STRICT_LATENCY" in os.environ else 10 * required
+        print(f"\nslider to map at a surface fraction of {surface_fraction}, load {load}: median {words}")
+    assert median["exact"] < required

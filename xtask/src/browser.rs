@@ -25,19 +25,33 @@ pub(crate) fn quick(cargo: &OsStr) -> Result<(), String> {
 /// The second tier: the other tests, all tests of the page without a server, and the types of the page's scripts.
 pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     types_are_right()?;
-    check(cargo, "browser", "not smoke or module")
+    check(cargo, "browser", "not latency and (not smoke or module)")
 }
 
+/// By hand, on a quiet machine: how fast the page follows a slider.
+pub(crate) fn latency(cargo: &OsStr) -> Result<(), String> {
+    run(&mut tests(cargo, "latency", true)?.0)
+}
+
+/// Runs the tests with a mark, unless they passed before and nothing has changed since.
 fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
-    let chromium = chromium()?;
-    let (python, program) = python::prepare(cargo, TESTS)?;
-    let mut tests = python::pytest(&python, TESTS, marked);
-    if name == "browser" {
+    let is_whole = name == "browser";
+    let (mut tests, programs) = tests(cargo, marked, is_whole)?;
+    if is_whole {
         // Tests wait for the browser for half of their time: two at once, and who has ended takes tests from the other.
         tests.args(["--numprocesses", "2", "--dist", "worksteal"]);
     }
+    let programs: Vec<&Path> = programs.iter().map(PathBuf::as_path).collect();
+    passed::unless_passed(name, python::inputs(&[], &programs), || run(&mut tests))
+}
+
+/// The command that runs the tests with a mark, and the programs that they need; with the page without a server if the `whole` page is tested.
+fn tests(cargo: &OsStr, marked: &str, whole: bool) -> Result<(Command, Vec<PathBuf>), String> {
+    let chromium = chromium()?;
+    let (python, program) = python::prepare(cargo, TESTS)?;
+    let mut tests = python::pytest(&python, TESTS, marked);
     let mut programs = vec![program.clone()];
-    if name == "browser" {
+    if whole {
         // Without the module the page is tested with the server.
         let left_out = "the tests of the page without a server are left out";
         if let Some(folder) = page::if_available(cargo, left_out)? {
@@ -45,15 +59,13 @@ fn check(cargo: &OsStr, name: &str, marked: &str) -> Result<(), String> {
             tests.env("PAGE", folder);
         }
     }
-    let programs: Vec<&Path> = programs.iter().map(PathBuf::as_path).collect();
-    let inputs = python::inputs(&[], &programs);
     tests.env("FAKIR", program).env("CHROMIUM", chromium);
     // The manual is tested if it was built, as it is if every check is run.
     let book = target_folder()?.join("book");
     if book.join("index.html").is_file() {
         tests.env("BOOK", book);
     }
-    passed::unless_passed(name, inputs, || run(&mut tests))
+    Ok((tests, programs))
 }
 
 /// The browser: the one in the environment variable CHROMIUM, an installed one, or that of Debian, which is then installed.

@@ -18,7 +18,7 @@ const COMBINATIONS: &str = "--combinations";
 
 /// The short campaigns of the checks.
 pub(crate) fn check(cargo: &OsStr) -> Result<(), String> {
-    let campaign = tests::built_example(cargo, "campaign", &[])?;
+    let campaign = tests::built_example(cargo, "campaign")?;
     run(Command::new(campaign).args(["--systems", SYSTEMS, "--seed", "1"]))?;
     combinations(cargo, &["--cells", CELLS, "--seed", "1"])
 }

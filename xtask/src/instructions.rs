@@ -141,7 +141,7 @@ fn vectors() -> &'static str {
 fn count(cargo: &OsStr) -> Result<Vec<(String, u64)>, String> {
     let valgrind = valgrind()?;
     let program = tests::built_command(cargo)?;
-    let kernels = tests::built_example(cargo, "kernels", &["--features", "fakir/kernels"])?;
+    let kernels = tests::kernels(cargo)?;
     let mut counts = Vec::new();
     for kernel in KERNELS {
         counts.push((

@@ -178,6 +178,7 @@ fn main() -> ExitCode {
         ["site", ref options @ ..] => run_one(&cargo(), "site", |cargo| {
             site::build(cargo, &site::Options::read(options)?)
         }),
+        ["latency"] => run_one(&cargo(), "latency", browser::latency),
         ["page"] => run_one(&cargo(), "page", |cargo| page::build(cargo).map(drop)),
         ["package"] => run_one(&cargo(), "package", release::check),
         ["test"] => run_checks(|check| check.tier == Tier::First),
@@ -205,6 +206,7 @@ fn main() -> ExitCode {
                  cargo xtask site [--version V] [--into FOLDER]\n       \
                                                     manual, documentation and page as one static site, in target/site\n       \
                  cargo xtask page                   the page without a server, in target/fakir-page\n       \
+                 cargo xtask latency                measures how fast the page follows a slider\n       \
                  cargo xtask package                packages, builds, installs and tries what is published\n       \
                  cargo xtask record instructions    replaces the recorded counts of instructions\n       \
                  cargo xtask campaign [--seconds T] [--systems N] [--seed S] [--only NUMBER]\n       \

@@ -1,7 +1,7 @@
 //! The page without a server: `cargo xtask page` compiles the explorer's answers to WebAssembly, and writes the page to `target/fakir-page`.
 
 use crate::shell::{run, target_folder};
-use crate::tests::EXCLUDED;
+use crate::tests;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -28,17 +28,10 @@ pub(crate) fn build(cargo: &OsStr) -> Result<PathBuf, String> {
         .args(["--target", TARGET])
         .env("CARGO_TARGET_DIR", &target)
         .env("RUSTFLAGS", FLAGS))?;
-    // With the features of the tests, so that nothing is compiled twice.
-    let mut example = Command::new(cargo);
-    example.args(["build", "--release", "--locked", "--workspace"]);
-    for name in EXCLUDED {
-        example.args(["--exclude", name]);
-    }
-    run(example.args(["--example", "page"]))?;
+    let page = tests::built_example(cargo, "page")?;
     let folder = target.join("fakir-page");
     let module = target.join(TARGET).join("page/fakir_page.wasm");
-    let program = format!("release/examples/page{}", std::env::consts::EXE_SUFFIX);
-    run(Command::new(target.join(program))
+    run(Command::new(page)
         .args([&module, &folder])
         .env("CARGO", cargo))?;
     let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |file| file.len());

@@ -11,20 +11,28 @@ use std::process::{Command, Stdio};
 /// Packages that are not compiled with the others: two have dependencies that the first tier does not need; the extension
 /// module has no tests, and maturin compiles it in a separate environment, so that compiling it here too would compile
 /// pyo3 again at every run.
-pub(crate) const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
+const EXCLUDED: [&str; 3] = ["fakir-checks", "fakir-manual", "fakir-py"];
 
-/// Options of cargo for tests with heavy dependencies.
-const HEAVY_TESTS: [&[&str]; 2] = [
-    &["--package", "fakir-checks", "--tests"],
-    &[
-        "--package",
-        "fakir-study",
-        "--features",
-        "parquet",
-        "--test",
-        "parquet",
-    ],
+/// What has dependencies that the command does not have, or needs private parts of `fakir`: one call of cargo, so that `fakir` is compiled only
+/// once more for all of it.
+const HEAVY: [&str; 13] = [
+    "build",
+    "--package",
+    "fakir",
+    "--package",
+    "fakir-checks",
+    "--package",
+    "fakir-study",
+    "--features",
+    "fakir/kernels,fakir-study/parquet",
+    "--test=figures",
+    "--test=parquet",
+    "--example",
+    KERNELS,
 ];
+
+/// The example whose instructions are counted.
+const KERNELS: &str = "kernels";
 
 /// Folders with files that tests in Rust read.
 const READ: [&str; 3] = ["crates", "checks", "examples"];
@@ -38,17 +46,17 @@ pub(crate) struct Program {
     pub(crate) folder: PathBuf,
 }
 
-/// Compiles the tests and the program `fakir`; returns the test programs.
+/// Compiles by a call of cargo; returns the test programs.
 pub(crate) fn build(cargo: &OsStr, options: &[&str]) -> Result<Vec<Program>, String> {
     let output = Command::new(cargo)
-        .args(["test", "--release", "--locked", "--no-run"])
         .args(options)
+        .args(["--release", "--locked"])
         .arg("--message-format=json-render-diagnostics")
         .stderr(Stdio::inherit())
         .output()
         .map_err(|error| format!("cargo could not be started: {error}"))?;
     if !output.status.success() {
-        return Err(format!("cargo test: {}", output.status));
+        return Err(format!("cargo {}: {}", options[0], output.status));
     }
     let messages = String::from_utf8_lossy(&output.stdout).into_owned();
     let mut programs: Vec<Program> = messages.lines().filter_map(program).collect();
@@ -83,10 +91,17 @@ fn program(message: &str) -> Option<Program> {
     })
 }
 
-/// The options of cargo for the packages of the first tier.
+/// The tests of the first tier, and the program `fakir`.
 pub(crate) fn light() -> Vec<&'static str> {
     let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
-    let targets = ["--workspace", "--lib", "--bins", "--tests"];
+    let targets = [
+        "test",
+        "--no-run",
+        "--workspace",
+        "--lib",
+        "--bins",
+        "--tests",
+    ];
     targets.into_iter().chain(excluded).collect()
 }
 
@@ -100,10 +115,7 @@ pub(crate) fn slow(cargo: &OsStr) -> Result<(), String> {
     // Campaigns are run by hand.
     let slow = ["--ignored", "--skip", "campaign_of_"];
     run_tests(&build(cargo, &light())?, &slow, " slow")?;
-    for heavy in HEAVY_TESTS {
-        run_tests(&build(cargo, heavy)?, &["--include-ignored"], "")?;
-    }
-    Ok(())
+    run_tests(&build(cargo, &HEAVY)?, &["--include-ignored"], "")
 }
 
 /// Runs test programs, except those that passed before and have not changed since.
@@ -151,18 +163,23 @@ pub(crate) fn built_command(cargo: &OsStr) -> Result<PathBuf, String> {
     command()
 }
 
-/// Compiles an example of the crate `fakir`. Without additional options it has the features of the tests, so that compiled dependencies are reused.
-pub(crate) fn built_example(
-    cargo: &OsStr,
-    name: &str,
-    options: &[&str],
-) -> Result<PathBuf, String> {
+/// Compiles the example whose instructions are counted.
+pub(crate) fn kernels(cargo: &OsStr) -> Result<PathBuf, String> {
+    build(cargo, &HEAVY)?;
+    example(KERNELS)
+}
+
+/// Compiles an example with the features of the tests, so that nothing else is compiled for it.
+pub(crate) fn built_example(cargo: &OsStr, name: &str) -> Result<PathBuf, String> {
     let excluded = EXCLUDED.iter().flat_map(|name| ["--exclude", *name]);
     run(Command::new(cargo)
         .args(["build", "--release", "--locked", "--workspace"])
         .args(excluded)
-        .args(["--example", name])
-        .args(options))?;
+        .args(["--example", name]))?;
+    example(name)
+}
+
+fn example(name: &str) -> Result<PathBuf, String> {
     let file = format!("release/examples/{name}{}", std::env::consts::EXE_SUFFIX);
     Ok(target_folder()?.join(file))
 }
