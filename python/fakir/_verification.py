@@ -48,6 +48,8 @@ class Opinion(Result):
     """Difference of the elements from the spectral method or from discs, or of the coarser cells from the finer ones."""
     indentation: Difference
     """The same for the indentation."""
+    contact_radius: Difference | None
+    """The same for the contact radius on the tops; None on two meshes, with discs, and where the errors leave no digit."""
     contact_area: Difference | None
     """The same for the contact area, on rounded tops without the floor; None on two meshes, and on flat tops without adhesion."""
     floor_share: Difference | None
@@ -57,9 +59,9 @@ class Opinion(Result):
         self._summary = summary
         self.verdict, self.doubt = summary["verdict"], summary["doubt"]
         self.force, self.indentation = (self._difference(name) for name in ("force", "indentation"))
-        self.contact_area, self.floor_share = (
+        self.contact_radius, self.contact_area, self.floor_share = (
             self._difference(name) if name in summary["relative_difference"] else None
-            for name in ("contact_area", "floor_share")
+            for name in ("contact_radius", "contact_area", "floor_share")
         )
 
     def _difference(self, name: str) -> Difference:
@@ -82,6 +84,7 @@ class Opinion(Result):
         differences = [
             ("force", self.force),
             ("indentation", self.indentation),
+            ("contact radius", self.contact_radius),
             ("contact area", self.contact_area),
             ("floor share", self.floor_share),
         ]

@@ -984,7 +984,15 @@ impl Design {
     /// The problem of finding heights for a curve, if requested.
     pub(crate) fn heights(&self) -> Result<Option<HeightsQuestion<'_>>, Failure> {
         let Some(target) = &self.target else {
-            return Ok(None);
+            // The requirement of the target is not checked where it excludes another target that is given.
+            return match self.height_error {
+                Some(_) => Err(Failure::Argument(
+                    "--height-error is of --free heights with --target: for the scatter of another answer give --tolerance \
+                     pattern.pillar.height=0.1um"
+                        .to_owned(),
+                )),
+                None => Ok(None),
+            };
         };
         if self.free != Some(Free::Heights) {
             return Err(Failure::Argument(

@@ -198,7 +198,7 @@ impl Failure {
             | Self::Argument(_)
             | Self::File { .. }
             | Self::Threads(_) => 2,
-            Self::Design(DesignError::NotConverged { .. }) => 1,
+            Self::Design(DesignError::NotConverged(_)) => 1,
             Self::Heights(PillarHeightsError::NotConverged { .. }) => 1,
             Self::Heights(
                 PillarHeightsError::Solve(_)

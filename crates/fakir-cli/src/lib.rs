@@ -61,7 +61,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Cycle(options) => ask(command, &options.asked()?),
         Command::Hold(options) => ask(command, &options.asked()?),
         Command::Verify(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
+            let session = Session::start(&options.run, &options.case)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
             let (load, cells) = (options.load.load(), options.cells);
@@ -85,7 +85,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             )
         }
         Command::Compare(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
+            let session = Session::start(&options.run, &options.case)?;
             let file = read_case(&options.case)?;
             answer_of_pillars(
                 command,
@@ -98,7 +98,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Design(options) => design(command, options),
         Command::Fit(options) => fit(command, options),
         Command::Friction(options) => {
-            let session = Session::start(&options.run, options.case.quiet)?;
+            let session = Session::start(&options.run, &options.case)?;
             let data = commands::friction::data(options)?;
             let file = read_case(&options.case)?;
             deliver(command, &options.case, file.warnings(), || {
@@ -114,15 +114,13 @@ fn run(command: &Command) -> Result<Status, Failure> {
 
 /// Runs a design; the saved case is the one that was found.
 fn design(command: &Command, options: &arguments::Design) -> Result<Status, Failure> {
-    let session = Session::start(&options.run, options.case.quiet)?;
+    let session = Session::start(&options.run, &options.case)?;
     let file = read_case(&options.case)?;
     if let Some(folder) = &options.case.output {
         fakir_study::results::check_folder(folder, options.case.replace())?;
     }
     let designed = match options.heights()? {
-        Some(question) => {
-            commands::heights::run(&file, &question, options.case.output.is_some(), &session)?
-        }
+        Some(question) => commands::heights::run(&file, &question, &session)?,
         None => commands::design::run(&file, options, &session)?,
     };
     drop(session);
@@ -138,7 +136,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
 /// Runs a fit, or several; the saved case is the one with the fitted values or their means.
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
-    let session = Session::start(&options.run, case.quiet)?;
+    let session = Session::start(&options.run, &case)?;
     // The data are read before the case, and the folder is checked before the computation.
     let one = match &options.data[..] {
         [path] if !options.joint => {
@@ -167,7 +165,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
 
 /// Answers a question about a case of any kind.
 fn ask(command: &Command, asked: &Asked<'_>) -> Result<Status, Failure> {
-    let session = Session::start(asked.run, asked.case.quiet)?;
+    let session = Session::start(asked.run, asked.case)?;
     let mut file = read_case(asked.case)?;
     if let Some(floor) = asked.floor {
         floor.apply(&mut file)?;

@@ -1,8 +1,10 @@
 //! Execution of a computation from a terminal: threads, memory, progress and Ctrl-C.
 
+use crate::arguments::CaseArguments;
 use crate::failure::{Failure, INTERRUPTED, report_line};
 use clap::Args;
 use fakir::state::{CancelToken, Progress, Run, Threads};
+use fakir_study::output::File;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::io::IsTerminal;
@@ -29,11 +31,13 @@ pub(crate) struct Session {
     memory_limit: usize,
     bar: ProgressBar,
     watched: bool,
+    saves: bool,
     listener: Box<dyn Fn(Progress) + Sync>,
 }
 
 impl Session {
-    pub(crate) fn start(options: &RunArguments, quiet: bool) -> Result<Self, Failure> {
+    pub(crate) fn start(options: &RunArguments, case: &CaseArguments) -> Result<Self, Failure> {
+        let quiet = case.quiet;
         let cancel = CancelToken::default();
         stop_on_interrupt(cancel.clone());
         let pool = match threads(options.threads, quiet) {
@@ -52,6 +56,7 @@ impl Session {
             listener: Box::new(listener(bar.clone(), watched)),
             bar,
             watched,
+            saves: case.output.is_some(),
         })
     }
 
@@ -69,6 +74,15 @@ impl Session {
     /// Shows the next part of a longer computation.
     pub(crate) fn part(&self, name: &str) {
         self.bar.set_prefix(format!("{name}: "));
+    }
+
+    /// Files to save, which are made only if a folder is named: pictures of large data take seconds.
+    pub(crate) fn files(&self, make: impl FnOnce() -> Vec<File>) -> Vec<File> {
+        if !self.saves {
+            return Vec::new();
+        }
+        self.part("files");
+        make()
     }
 
     /// A progress bar for a computation of `total` steps, shown if standard error is a terminal.

@@ -28,8 +28,8 @@ use fakir::numerics::roots::{self, Change, Point, Root};
 use fakir::problem::{CyclePlan, Load, Method, Question, ShapedLens, SurfaceSystem};
 use fakir::state::{
     AsperityContact, AsperityCycle, ContactState, Critical, CriticalState, Cycle, FlatContact,
-    FlatCycle, FloorContact, Run, Solution, SolveError, SurfaceContact, SurfaceCycle,
-    SurfaceTransition,
+    FlatCycle, FloorContact, LARGEST_ERROR, Run, Solution, SolveError, SurfaceContact,
+    SurfaceCycle, SurfaceTransition,
 };
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_case::{AnyCase, CaseError, CaseFile, Key, SurfaceKind};
@@ -211,22 +211,32 @@ impl Wanted {
 
     /// Estimated error of the deviation, if it is relevant: critical states are far more accurate
     /// than samples can be manufactured.
+    ///
+    /// It is 0 if not even the first digit of the result is known: no target is met by an error that covers everything.
     fn excess_error(self, reached: &Reached) -> f64 {
-        if let Some(pull_off) = reached.pull_off() {
-            return pull_off.error;
-        }
-        match (self, reached.floor_share()) {
-            (Self::FloorShare { .. }, Some([_, error])) => {
+        let error = match (self, reached.pull_off(), reached.floor_share()) {
+            (_, Some(pull_off), _) => pull_off.error,
+            (Self::FloorShare { .. }, None, Some([_, error])) => {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
                 slope * error
             }
-            (Self::FloorShare { .. } | Self::PullOff { .. }, _) => 0.0,
-            (Self::Force(_) | Self::ContactRadius(_) | Self::Pressed { .. }, _) => {
+            (Self::FloorShare { .. } | Self::PullOff { .. }, ..) => 0.0,
+            (Self::Force(_) | Self::ContactRadius(_) | Self::Pressed { .. }, ..) => {
                 let place = usize::from(self.dimension() == Dimension::Length);
                 reached
                     .errors_of_cells()
                     .map_or(0.0, |errors| errors[place])
             }
+        };
+        if error > LARGEST_ERROR { 0.0 } else { error }
+    }
+
+    /// Estimated error of the deviation where the result jumps by less: a contact radius jumps where a pillar comes into contact, and by the error
+    /// of the place of its edge.
+    fn error_of_jump(self, reached: &Reached) -> f64 {
+        match self.dimension() {
+            Dimension::Length => reached.radius_error().min(LARGEST_ERROR),
+            _ => 0.0,
         }
     }
 
@@ -357,6 +367,15 @@ impl Reached {
     fn is_floor_first(&self) -> bool {
         let is_flat = matches!(self, Self::PressedFlat(_) | Self::PulledOffFlat(_));
         !is_flat && self.force().abs() <= 0.0
+    }
+
+    /// Estimated error of its contact radius relative to it.
+    fn radius_error(&self) -> f64 {
+        match self {
+            Self::Critical(critical) => critical.contact.relative_contact_radius_error(),
+            Self::Pressed(contact) => contact.relative_contact_radius_error(),
+            _ => 0.0,
+        }
     }
 
     /// Its contact radius, m, which contains the floor contact of a critical state.
@@ -510,6 +529,12 @@ pub enum Limit {
     ManyPillars,
     /// Beyond this value, the height map cannot be generated.
     Invalid(String),
+    /// Beyond this value, the solution does not converge.
+    NotConverged,
+    /// The search ends at this value.
+    SearchEnd,
+    /// The result is the same for all values.
+    NoEffect,
 }
 
 /// A design: question and result.
@@ -647,6 +672,16 @@ impl Answer {
                 });
                 let why = match limit {
                     Limit::Range => String::new(),
+                    Limit::NotConverged => {
+                        ", beyond which the solution does not converge".to_owned()
+                    }
+                    Limit::SearchEnd => ", where the search ends".to_owned(),
+                    Limit::NoEffect => {
+                        return format!(
+                            "A {name} of {wanted} is unattainable with {path}, which has no effect on it: it is {} for all values",
+                            self.answer_of(nearest)
+                        );
+                    }
                     Limit::FloorFirst => {
                         ", beyond which the lens reaches the floor before any pillar".to_owned()
                     }
@@ -716,17 +751,11 @@ pub enum DesignError {
         "the lens touches more than {MANY_PILLARS} pillars, whose cycles take too long: start with another {}", .0.path()
     )]
     TooManyPillars(Key),
-    /// A solution that did not converge stopped the search.
+    /// No contact of the search converged.
     #[error(
-        "the contact at {} = {value:e} (SI units) did not converge: try another accuracy \
-         or an offset that is a little different", .key.path()
+        "the contacts did not converge: begin with another {}, or try another accuracy or an offset that is a little different", .0.path()
     )]
-    NotConverged {
-        /// Free parameter.
-        key: Key,
-        /// Value of the free parameter.
-        value: f64,
-    },
+    NotConverged(Key),
 }
 
 /// Keys that can be free: all sizes, moduli and works of adhesion of a case.
@@ -805,6 +834,12 @@ const SHARPNESS: f64 = 0.1;
 /// Relative width of a bracket that locates the value beyond which there is no contact with
 /// sufficient accuracy.
 const EDGE: f64 = 1e-3;
+
+/// Largest relative change of a result over the whole range on which a quantity has no effect but rounding.
+const NO_EFFECT: f64 = 1e-6;
+
+/// Relative distance of a value that is tried instead of one whose contact does not converge.
+const ASIDE: f64 = 1e-6;
 
 /// With this many pillars in contact the homogenised lattice is accurate to a few per cent. If it
 /// differs from the target by more than a factor of 2, this accuracy is sufficient for the search.
@@ -972,6 +1007,8 @@ fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
     const FARTHEST: f64 = 1e6;
     /// The same on a height map, whose contacts take seconds.
     const FARTHEST_ON_MAP: f64 = 30.0;
+    /// Modulus of very soft gels, Pa, which the search reaches from any modulus of the case.
+    const SOFTEST: f64 = 100.0;
     /// Largest thickness in widths of the lens; beyond, a thickness has no measurable effect.
     const THICKEST: f64 = 1e3;
     /// Relative distance from a bound that is not valid itself.
@@ -988,7 +1025,13 @@ fn range(free: Key, first: f64, case: &AnyCase) -> [f64; 2] {
     let least = match least {
         Bound::Included(least) if least > 0.0 => least,
         Bound::Excluded(least) if least > 0.0 => least * (1.0 + MARGIN),
-        Bound::Included(_) | Bound::Excluded(_) | Bound::Unbounded => first / farthest,
+        Bound::Included(_) | Bound::Excluded(_) | Bound::Unbounded => {
+            match (case, free.dimension()) {
+                (AnyCase::HeightMap(_), _) => first / farthest,
+                (_, Dimension::Pressure) => SOFTEST.min(first / farthest),
+                _ => first / farthest,
+            }
+        }
     };
     let greatest = match greatest {
         Bound::Included(greatest) => greatest,
@@ -1070,6 +1113,8 @@ struct Trial {
     excess: f64,
     /// Estimated error of the deviation.
     error: f64,
+    /// Estimated error of the deviation where the result jumps.
+    error_of_jump: f64,
 }
 
 impl Trial {
@@ -1079,7 +1124,10 @@ impl Trial {
 
     /// Whether it meets the target within its error.
     fn may_be_met(&self) -> bool {
-        within(self.excess.abs(), TOLERANCE.max(self.error))
+        within(
+            self.excess.abs(),
+            TOLERANCE.max(self.error).max(self.error_of_jump),
+        )
     }
 
     /// For the root search: a trial that meets the target is a root.
@@ -1112,6 +1160,7 @@ fn no_contact(limit: Limit, key: Key) -> DesignError {
     match limit {
         Limit::Solver(error) => error.into(),
         Limit::Invalid(_) => DesignError::NotFree(key),
+        Limit::NotConverged => DesignError::NotConverged(key),
         _ => DesignError::TooManyPillars(key),
     }
 }
@@ -1140,7 +1189,13 @@ impl Search<'_> {
                 ..outline
             });
         }
-        let trial = self.trial_by(self.method, value)?;
+        let mut trial = self.trial_by(self.method, value)?;
+        // A contact that does not converge is rare; one beside it does.
+        for shift in [-ASIDE, ASIDE] {
+            if trial.outcome.as_ref().err() == Some(&Limit::NotConverged) {
+                trial = self.trial_by(self.method, value * (1.0 + shift))?;
+            }
+        }
         Ok(Trial { position, ..trial })
     }
 
@@ -1175,15 +1230,11 @@ impl Search<'_> {
                 outcome: Err(Limit::ManyPillars),
                 excess: f64::INFINITY,
                 error: 0.0,
+                error_of_jump: 0.0,
             });
         }
         let outcome = match self.reached(&case) {
-            Ok(reached) if !reached.solution().converged() => {
-                return Err(DesignError::NotConverged {
-                    key: self.free,
-                    value,
-                });
-            }
+            Ok(reached) if !reached.solution().converged() => Err(Limit::NotConverged),
             Ok(reached) => Ok(Candidate {
                 value,
                 case,
@@ -1215,6 +1266,9 @@ impl Search<'_> {
             }
             Err(error) => return Err(error),
         };
+        let error_of_jump = outcome.as_ref().map_or(0.0, |candidate| {
+            self.wanted.error_of_jump(&candidate.reached)
+        });
         let (excess, error) = match &outcome {
             // A method without floor contact finds the transition, where the share starts from
             // zero.
@@ -1232,6 +1286,7 @@ impl Search<'_> {
             outcome,
             excess,
             error,
+            error_of_jump,
         })
     }
 
@@ -1377,7 +1432,7 @@ impl Search<'_> {
             return Err(no_contact(limit, self.free));
         }
         match self.bracket(start, stride)? {
-            Ok(bracket) => self.close_in(bracket),
+            Ok(bracket) => self.close_in_and_beside(bracket),
             Err(missed) => self.nearest(missed),
         }
     }
@@ -1429,7 +1484,21 @@ impl Search<'_> {
                 if side == 0 {
                     bracket.reverse();
                 }
-                return Ok(Ok(bracket));
+                match self.end_of_contacts(&mut bracket)? {
+                    // The range ends here, farther from the target than elsewhere.
+                    Some([last, beyond])
+                        if trials.iter().any(|it| it.excess.abs() < last.excess.abs()) =>
+                    {
+                        trials.push(last.clone());
+                        fronts[side] = last;
+                        unsolved[side] = Some(beyond);
+                        side = 1 - side;
+                        continue;
+                    }
+                    _ => {
+                        return Ok(Ok(bracket));
+                    }
+                }
             }
             trials.push(trial.clone());
             let nearer = trial.excess.abs() < fronts[side].excess.abs();
@@ -1439,6 +1508,59 @@ impl Search<'_> {
             }
         }
         Ok(Err(Missed { trials, unsolved }))
+    }
+
+    /// Narrows a bracket one of whose ends has no contact. Returns the last contact and the trial beyond it; `None` if both ends have a contact, at first
+    /// or after the bracket is narrowed.
+    fn end_of_contacts(&self, bracket: &mut [Trial; 2]) -> Result<Option<[Trial; 2]>, DesignError> {
+        if bracket.iter().all(|trial| trial.outcome.is_ok()) {
+            return Ok(None);
+        }
+        self.narrow(bracket, EDGE)?;
+        let [low, high] = bracket.clone();
+        Ok(match (low.outcome.is_ok(), high.outcome.is_ok()) {
+            (true, false) => Some([low, high]),
+            (false, true) => Some([high, low]),
+            _ => None,
+        })
+    }
+
+    /// Refines the bracket between two trials. If the result jumps there past the target, it may have the target on one of the sides of the jump.
+    fn close_in_and_beside(&self, sides: [Trial; 2]) -> Result<Ending, DesignError> {
+        /// Distance from the jump and first step, in `ln x`.
+        const FARTHEST: f64 = 1.4;
+        const STEP: f64 = 0.05;
+        let ending = self.close_in(sides)?;
+        let Ending::Jump(jump) = &ending else {
+            return Ok(ending);
+        };
+        if self.is_coarse() {
+            return Ok(ending);
+        }
+        for (jumped, sign) in jump.iter().zip([-1.0, 1.0]) {
+            let begin = jumped.value.ln();
+            let excess = self.wanted.excess(&jumped.reached);
+            let ends = self.range.map(f64::ln);
+            let (mut last, mut step) = (begin, STEP);
+            while (last - begin).abs() < FARTHEST {
+                let next = clamped(last + sign * step, ends[0], ends[1]);
+                let trial = self.trial(next)?;
+                if trial.outcome.is_err() || next.to_bits() == last.to_bits() {
+                    break;
+                }
+                if trial.excess.signum() != excess.signum() {
+                    let mut bracket = [self.trial(last)?, trial];
+                    bracket.sort_by(|a, b| a.position.total_cmp(&b.position));
+                    let other = self.close_in(bracket)?;
+                    if matches!(other, Ending::Found(_)) {
+                        return Ok(other);
+                    }
+                    break;
+                }
+                (last, step) = (next, 2.0 * step);
+            }
+        }
+        Ok(ending)
     }
 
     /// Refines the bracket between two trials. At the limit of contacts, a rough search is sufficient; between
@@ -1539,7 +1661,7 @@ impl Search<'_> {
             if trial.excess.signum() != best.excess.signum() {
                 let mut bracket = [best, trial];
                 bracket.sort_by(|a, b| a.position.total_cmp(&b.position));
-                return self.close_in(bracket);
+                return self.close_in_and_beside(bracket);
             }
             let (inner, outer) = if farness(&trial) < farness(&best) {
                 (trial, best)
@@ -1555,11 +1677,20 @@ impl Search<'_> {
         }
         let mut unsolved = unsolved.iter().flatten();
         let beyond = unsolved.find(|trial| (trial.position - best.position).abs() < 2.0 * EDGE);
-        let limit = beyond.map_or(Limit::Range, Trial::limit);
+        let at_end = |end: &f64| (end.ln() - best.position).abs() < 2.0 * EDGE;
+        let limit = match beyond {
+            Some(trial) => trial.limit(),
+            None if self.range.iter().any(at_end) => Limit::SearchEnd,
+            None => Limit::Range,
+        };
         match best.outcome {
             Ok(candidate) => {
                 let answer = self.wanted.of(&candidate.reached);
                 let reach = [least.min(answer), greatest.max(answer)];
+                let limit = match within(reach[1] - reach[0], NO_EFFECT * reach[1]) {
+                    true => Limit::NoEffect,
+                    false => limit,
+                };
                 Ok(Ending::OutOfReach(candidate, limit, Some(reach)))
             }
             Err(limit) => Err(no_contact(limit, self.free)),

@@ -206,6 +206,7 @@ impl AnswerObject {
 struct SpreadObject {
     samples: usize,
     failed: usize,
+    drawn_again: usize,
     landing: &'static str,
     seed: u64,
     critical_force_N: Option<StatisticsObject>,
@@ -270,6 +271,7 @@ impl SpreadObject {
         Self {
             samples: sampling.samples,
             failed: spread.failures().count(),
+            drawn_again: spread.drawn_again(),
             landing: sampling.landing.name(),
             seed: sampling.seed,
             critical_force_N: summary(|critical| critical.force),

@@ -115,6 +115,8 @@ impl Sampling {
 pub struct Sample {
     /// Values of the varying quantities, in SI units, in the order of the tolerances.
     pub values: Vec<f64>,
+    /// Number of draws before this one, which had an invalid value, such as a negative height.
+    pub drawn_again: usize,
     /// Distance of the lens axis from a pillar centre, in pitches; 0 without a lattice.
     pub offset: f64,
     /// Direction of the offset, rad.
@@ -485,7 +487,7 @@ impl Draw<'_> {
     fn sample(&self, number: usize, run: &Run<'_>) -> Result<Sample, SpreadError> {
         let mut random = stream(self.sampling.seed, number);
         let mut problem = String::new();
-        for _ in 0..DRAWS {
+        for drawn_again in 0..DRAWS {
             let values: Vec<f64> = self
                 .varied
                 .iter()
@@ -533,6 +535,7 @@ impl Draw<'_> {
             let (offset, offset_angle) = landed(&case)?;
             let mut sample = Sample {
                 values,
+                drawn_again,
                 offset,
                 offset_angle,
                 pillar_seed,
@@ -635,6 +638,25 @@ impl Spread {
         self.samples
             .iter()
             .filter_map(|sample| sample.outcome.as_ref().ok())
+    }
+
+    /// Number of draws with an invalid value, which were drawn again: the distribution is truncated there.
+    #[must_use]
+    pub fn drawn_again(&self) -> usize {
+        self.samples.iter().map(|sample| sample.drawn_again).sum()
+    }
+
+    /// A warning if values were drawn again.
+    #[must_use]
+    pub fn truncation(&self) -> Option<String> {
+        let again = self.drawn_again();
+        (again > 0).then(|| {
+            format!(
+                "{again} of {} draws had a value that is not valid, as a negative length or a Poisson's ratio above 0.5, and were drawn again: the normal \
+                 distributions are truncated there, and their means are shifted",
+                again + self.samples.len()
+            )
+        })
     }
 
     /// Reasons for samples without a solution.

@@ -8,7 +8,7 @@ use fakir::state::{Contact, Critical, ElasticSample, History, Run, Solution};
 use fakir_case::unit::{Dimension, format_quantity};
 use std::time::Instant;
 
-/// Force, relative to the largest, from which a contact that is not resolved matters.
+/// Force, relative to the largest, from which a contact that is not resolved matters, and part of its force that may be unknown.
 const LIGHT: f64 = 0.05;
 
 /// What is done to viscoelastic bodies over time.
@@ -324,7 +324,9 @@ pub fn follow_untimed<P: Loadable>(
             None => problem.press(Load::Indentation(indentation), run)?,
         };
         converged &= contact.converged();
-        if contact.unresolved().is_some() {
+        let share = contact.floor_force() / contact.force();
+        let unknown = contact.unresolved().map(|it| it.part_of_force(share));
+        if unknown.is_some_and(|part| part.is_nan() || part > LIGHT) {
             unresolved.push([indentation, contact.force()]);
         }
         Ok(contact.elastic_sample())

@@ -28,6 +28,9 @@ pub struct Verification {
     pub force: Difference,
     /// Relative difference of the indentation with elements from that of the spectral method.
     pub indentation: Difference,
+    /// Relative difference of the contact radius on the tops, which shows whether the same pillars are in contact; `None` without
+    /// contact, and where the stated errors leave no digit.
+    pub radius: Option<Difference>,
     /// Relative difference of the area in contact on tops and floor, with adhesion; `None` without, and where the stated errors
     /// leave no digit.
     pub area: Option<Difference>,
@@ -242,7 +245,8 @@ impl Verification {
             termination: state.termination,
         });
         let differences = [self.force, self.indentation].into_iter();
-        let differences = differences.chain(self.area).chain(self.floor_share);
+        let others = [self.radius, self.area, self.floor_share];
+        let differences = differences.chain(others.into_iter().flatten());
         Verdict::of(failed, &differences.collect::<Vec<_>>())
     }
 
@@ -303,10 +307,19 @@ pub fn verify(
         force => larger(1.0, (fine.force / force).abs()),
     };
     let areas = [fine, &spectral].map(|state| state.areas().whole());
+    let radius = Difference::of(
+        fine.contact_radius,
+        spectral.contact_radius,
+        fine.relative_contact_radius_error() + spectral.relative_contact_radius_error(),
+    );
+    let has_digits = |of: &Difference| of.allowed <= NO_DIGITS;
+    // Elements may miss a light contact between their centres.
+    let touch = fine.contact_radius > 0.0 && spectral.contact_radius > 0.0;
     Ok(Verification {
+        radius: Some(radius).filter(|radius| touch && has_digits(radius)),
         area: is_adhesive
             .then(|| areas[0].against(areas[1]))
-            .filter(|area| area.allowed <= NO_DIGITS),
+            .filter(has_digits),
         force: Difference::of(
             fine.force,
             spectral.force,

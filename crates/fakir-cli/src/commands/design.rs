@@ -84,6 +84,7 @@ pub(crate) fn run(
         .map_or(Vec::new(), |answer| warnings_of(answer.nearest()));
     warned.extend(answer.as_ref().and_then(Answer::caution));
     warned.extend(scatter.as_ref().and_then(failures));
+    warned.extend(scatter.as_ref().and_then(Spread::truncation));
     // Interactions do not change a design.
     let topics = described.topics.iter().copied();
     let topics = topics.filter(|topic| !matches!(topic, Topic::Interaction(_)));
@@ -94,14 +95,17 @@ pub(crate) fn run(
         &topics,
         described.text.clone(),
     );
-    let mut tables = Vec::new();
-    if let Some((sampling, scatter)) = scattered {
-        tables.push(File::new("samples.csv", scatter.table(sampling).to_csv()));
-        let figures = spread_figure(scatter).into_iter();
-        for figure in figures.chain(pull_off_figure(scatter)) {
-            tables.extend(saved(figure, &provenance));
+    let tables = session.files(|| {
+        let mut files = Vec::new();
+        if let Some((sampling, scatter)) = scattered {
+            files.push(File::new("samples.csv", scatter.table(sampling).to_csv()));
+            let figures = spread_figure(scatter).into_iter();
+            for figure in figures.chain(pull_off_figure(scatter)) {
+                files.extend(saved(figure, &provenance));
+            }
         }
-    }
+        files
+    });
     let report = Report {
         json: json(&DesignSummary::new(
             &case,

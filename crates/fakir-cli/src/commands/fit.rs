@@ -49,8 +49,11 @@ pub(crate) fn run(
     let wall_time = start.elapsed().as_secs_f64();
     let case = described(&fitted.file.any_case(&[Question::Fit])?)?;
     let provenance = provenance(&case, "least squares", &options.free, "");
-    let mut tables = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
-    tables.extend(saved(figure(data, &fitted), &provenance));
+    let tables = session.files(|| {
+        let mut files = vec![File::new("fitted.csv", fitted.table(data).to_csv())];
+        files.extend(saved(figure(data, &fitted), &provenance));
+        files
+    });
     let misfit = fitted.misfit_statement();
     let mut warnings = fitted.warnings();
     warnings.retain(|warning| Some(warning) != misfit.as_ref());

@@ -45,9 +45,12 @@ pub(crate) fn run(
     let case = described(&fitted.mean_case(file).any_case(&[Question::Fit])?)?;
     let of = format!(", {} curves", fitted.curves.len());
     let provenance = provenance(&case, "least squares", &options.free, &of);
-    let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
-    tables.extend(saved(figure_of(&fitted), &provenance));
-    tables.extend(files_of_curves(&fitted.curves, &provenance));
+    let tables = session.files(|| {
+        let mut files = vec![File::new("fits.csv", fitted.table().to_csv())];
+        files.extend(saved(figure_of(&fitted), &provenance));
+        files.extend(files_of_curves(&fitted.curves, &provenance));
+        files
+    });
     let (misfits, warnings) = sorted_warnings(&fitted);
     let report = Report {
         json: json(&CurvesSummary::new(method, &fitted, wall_time)),
@@ -86,9 +89,12 @@ pub(crate) fn joint(
     let case = described(&fitted.file.any_case(&[Question::Fit])?)?;
     let of = format!(", {} curves", fitted.curves.len());
     let provenance = provenance(&case, "joint least squares", &options.free, &of);
-    let mut tables = vec![File::new("fits.csv", fitted.table().to_csv())];
-    tables.extend(saved(figure_of_joint(&fitted), &provenance));
-    tables.extend(files_of_curves(&fitted.curves, &provenance));
+    let tables = session.files(|| {
+        let mut files = vec![File::new("fits.csv", fitted.table().to_csv())];
+        files.extend(saved(figure_of_joint(&fitted), &provenance));
+        files.extend(files_of_curves(&fitted.curves, &provenance));
+        files
+    });
     let misfits = fitted.misfit_statements();
     let mut warnings = fitted.warnings();
     warnings.retain(|warning| !misfits.contains(warning));

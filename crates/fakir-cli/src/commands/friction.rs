@@ -40,8 +40,11 @@ pub(crate) fn run(
         &topics,
         case.text.clone(),
     );
-    let mut tables = vec![File::new("fitted.csv", fitted.table().to_csv())];
-    tables.extend(saved(figure(&fitted), &provenance));
+    let tables = session.files(|| {
+        let mut files = vec![File::new("fitted.csv", fitted.table().to_csv())];
+        files.extend(saved(figure(&fitted), &provenance));
+        files
+    });
     let misfit = fitted
         .p_value
         .is_some_and(|p| p < fakir_inverse::fit::LEVEL);

@@ -32,7 +32,6 @@ const PILLARS: &str = "pillars.csv";
 pub(crate) fn run(
     file: &CaseFile,
     question: &HeightsQuestion<'_>,
-    saves: bool,
     session: &Session,
 ) -> Result<Designed, Failure> {
     let case = file.asperity_case()?;
@@ -64,11 +63,7 @@ pub(crate) fn run(
         &[Topic::Asperities, Topic::DesignedHeights],
         case.to_toml_with_table(PILLARS),
     );
-    let mut tables = Vec::new();
-    if saves {
-        session.part("files");
-        tables = files(&found, question.height_error, &provenance);
-    }
+    let tables = session.files(|| files(&found, question.height_error, &provenance));
     let report = Report {
         json: json(&HeightsSummary::new(
             &found,

@@ -137,6 +137,7 @@ fn text(case: &Case, verification: &Verification, rows: &[AnswerRow], wall_time:
     let named = [
         ("force", Some(verification.force)),
         ("indentation", Some(verification.indentation)),
+        ("the contact radius on the tops", verification.radius),
         ("the contact area", verification.area),
         ("the fraction on the floor", verification.floor_share),
     ];

@@ -51,6 +51,22 @@ fn time_to_floor_contact() {
     }
 }
 
+/// The area of the first small contact with the floor has no digit, on which nothing of the history depends. Expected: the relaxed indentation is that of
+/// `press` under the same force.
+#[test]
+#[ignore = "slow: contacts past the transition"]
+fn a_small_floor_contact_does_not_end_a_history() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let thin = ["--set", "pattern.surface_fraction=0.01"];
+    let held = ["hold", &case, "--force", "150uN", "--for", "10s"];
+    let found = json(&bench, &[&held[..], &thin[..]].concat());
+    assert_eq!(found["converged"], true);
+    let pressed = bench.json(&[&["press", &case, "--force", "150uN"], &thin[..]].concat());
+    let relaxed = pressed["indentation_m"].as_f64().unwrap();
+    assert_close(&found["equilibrium"]["indentation_m"], relaxed, 1e-4);
+}
+
 /// Ramp, hold and ramp back past the transition: the events are in order, and the saved case gives the same numbers.
 #[test]
 fn a_protocol_is_saved_and_drawn() {

@@ -11,12 +11,10 @@ pub(super) const BLANKS: char = ' ';
 /// Text of a comment.
 pub(super) fn comment(line: &str) -> Option<&str> {
     let line = line.trim_start();
-    let first = line.split(['\t', ';', ',', ' ']).next().unwrap_or(line);
-    if is_formula_error(first) {
-        return None;
-    }
     let marks = ["#", "%", "//", "!", ";"];
-    marks.into_iter().find_map(|mark| line.strip_prefix(mark))
+    let text = marks.into_iter().find_map(|mark| line.strip_prefix(mark))?;
+    let first = line.split(['\t', ';', ',', ' ']).next().unwrap_or(line);
+    (!is_formula_error(first)).then_some(text)
 }
 
 /// Whether a line is a comment. A line that begins with a semicolon may also be a row whose first cell
@@ -320,6 +318,10 @@ fn without_blanks(text: &str) -> String {
 
 /// Converts a number to the notation of Rust: decimal point and ASCII minus sign.
 pub(super) fn number(text: &str, notation: Notation) -> Option<String> {
+    // Most numbers of most files: nothing to convert. With decimal commas a point may separate thousands.
+    if is_plain_number(text) && !(notation == Notation::Comma && text.contains('.')) {
+        return Some(text.to_owned());
+    }
     let plain = without_blanks(text).replace('\u{2212}', "-");
     let commas = plain.matches(',').count();
     let plain = match notation {
@@ -342,8 +344,16 @@ pub(super) fn number(text: &str, notation: Notation) -> Option<String> {
     plain.parse::<f64>().is_ok().then_some(plain)
 }
 
+/// Whether a text is a number as Rust writes it.
+fn is_plain_number(text: &str) -> bool {
+    text.parse::<f64>().is_ok_and(f64::is_finite)
+}
+
 /// Whether a text is a number in any notation.
 pub(super) fn is_number(text: &str) -> bool {
+    if is_plain_number(text) {
+        return true;
+    }
     let notations = [Notation::Single, Notation::Point, Notation::Comma];
     notations
         .into_iter()

@@ -1012,7 +1012,7 @@ fn is_text(cells: &[String], heading: &Heading, is_complete: bool) -> bool {
     let is_word = |cell: &String| !is_not_measured(cell) && !is_number(cell);
     let first = cells.iter().position(|cell| !cell.is_empty());
     let begins_with_word = first.is_some_and(|first| is_word(&cells[first]));
-    if !is_complete {
+    if !is_complete || !begins_with_word {
         return begins_with_word;
     }
     let used = || {
@@ -1025,7 +1025,7 @@ fn is_text(cells: &[String], heading: &Heading, is_complete: bool) -> bool {
     let has_word = used().any(|(_, cell)| is_word(cell));
     let has_number = used().any(|(_, cell)| is_number(cell));
     let begins = used().any(|(place, cell)| first == Some(place) && is_word(cell));
-    has_word && (!has_number || begins) && begins_with_word
+    has_word && (!has_number || begins)
 }
 
 /// The rows of a file.
@@ -1125,6 +1125,9 @@ impl Search<'_> {
 
     /// Whether a heading names a quantity, or may stand for one.
     fn knows(&self, place: usize, heading: &str, are_beside: bool) -> bool {
+        if self.hints.named.is_empty() && is_number(heading) {
+            return false;
+        }
         let stands_for = || {
             let rest = split_branch(heading).filter(|_| are_beside);
             let rest = rest.map_or(heading.to_owned(), |(_, rest)| rest);

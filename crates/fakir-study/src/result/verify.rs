@@ -57,6 +57,9 @@ pub struct AnswerRow {
 struct Differences {
     force: f64,
     indentation: f64,
+    /// On tops of pillars by two methods, if the errors leave a digit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    contact_radius: Option<f64>,
     /// If the floor carries load.
     #[serde(skip_serializing_if = "Option::is_none")]
     floor_share: Option<f64>,
@@ -89,6 +92,7 @@ impl VerifySummary {
     pub fn new(control: Load, verification: &Verification, wall_time: f64) -> Self {
         let verdict = verification.verdict();
         let differences = |of: fn(&Difference) -> f64| Differences {
+            contact_radius: verification.radius.as_ref().map(of),
             floor_share: verification.floor_share.as_ref().map(of),
             contact_area: verification.area.as_ref().map(of),
             ..differences(&verification.force, &verification.indentation, of)
@@ -166,6 +170,7 @@ fn differences(
     Differences {
         force: of(force),
         indentation: of(indentation),
+        contact_radius: None,
         floor_share: None,
         contact_area: None,
     }

@@ -5,7 +5,7 @@ use super::discs::Contacts;
 use super::error::SolveError;
 use super::finite::check_number;
 use super::floor_contact::{FloorContact, FloorErrors};
-use super::resolution::{Remedy, Unresolved};
+use super::resolution::{FLOOR_AREA, FLOOR_FORCE, Remedy, Unresolved};
 use crate::problem::{Accuracy, Point};
 use std::sync::Arc;
 
@@ -135,8 +135,8 @@ impl AsperityContact {
             ("force", error.force),
             ("contact area", error.area),
             ("indentation", relative(error.indentation, depth)),
-            ("force on the floor", of_floor(|error| error.share)),
-            ("contact area on the floor", of_floor(|error| error.area)),
+            (FLOOR_FORCE, of_floor(|error| error.share)),
+            (FLOOR_AREA, of_floor(|error| error.area)),
         ];
         let remedy = match self.accuracy {
             Accuracy::Default => Remedy::AccurateSetting,

@@ -3,7 +3,7 @@
 use super::fields::Fields;
 use super::floor_contact::{FloorContact, FloorErrors};
 use super::limit::DOUBTFUL_CONTACT;
-use super::resolution::{LARGEST_ERROR, Remedy, Unresolved};
+use super::resolution::{FLOOR_AREA, FLOOR_FORCE, LARGEST_ERROR, Remedy, Unresolved};
 use crate::problem::{Accuracy, Area, Method, Point, System};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -347,14 +347,8 @@ impl ContactState {
                 counts(if carries { part } else { 1.0 }, self.error.force),
             ),
             ("indentation", counts(part, self.error.indentation)),
-            (
-                "force on the floor",
-                known.map_or(0.0, |floor| floor.error.share),
-            ),
-            (
-                "contact area on the floor",
-                known.map_or(0.0, |floor| floor.error.area),
-            ),
+            (FLOOR_FORCE, known.map_or(0.0, |floor| floor.error.share)),
+            (FLOOR_AREA, known.map_or(0.0, |floor| floor.error.area)),
         ];
         // The fronts on adhesive tops do not depend on the accuracy setting.
         let has_fronts = floor.is_none() && self.system.adhesion().work > 0.0;

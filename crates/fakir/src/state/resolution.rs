@@ -57,7 +57,24 @@ impl std::fmt::Display for Unresolved {
     }
 }
 
+/// Name of the area in contact on the floor.
+pub(crate) const FLOOR_AREA: &str = "contact area on the floor";
+
+/// Name of the force on the floor.
+pub(crate) const FLOOR_FORCE: &str = "force on the floor";
+
 impl Unresolved {
+    /// Its error as a part of the force of the contact, of which the floor carries `floor_share`: none of the area on the floor, on which no force
+    /// depends.
+    #[must_use]
+    pub fn part_of_force(&self, floor_share: f64) -> f64 {
+        match self.quantity {
+            FLOOR_AREA => 0.0,
+            FLOOR_FORCE => self.error * floor_share.abs(),
+            _ => self.error,
+        }
+    }
+
     /// The first number that is not resolved, among numbers with their names and estimated relative errors.
     pub(crate) fn among(
         numbers: impl IntoIterator<Item = (&'static str, f64)>,
