@@ -212,23 +212,26 @@ impl Wanted {
     /// Estimated error of the deviation, if it is relevant: critical states are far more accurate
     /// than samples can be manufactured.
     ///
-    /// It is 0 if not even the first digit of the result is known: no target is met by an error that covers everything.
+    /// It is 0 of a pull-off force of which not even the first digit is known: no target is met by an error that covers everything. A floor
+    /// share just past the transition has no digit either, but the value at which it begins is known well.
     fn excess_error(self, reached: &Reached) -> f64 {
-        let error = match (self, reached.pull_off(), reached.floor_share()) {
-            (_, Some(pull_off), _) => pull_off.error,
-            (Self::FloorShare { .. }, None, Some([_, error])) => {
+        if let Some(pull_off) = reached.pull_off() {
+            let is_known = within(pull_off.error, LARGEST_ERROR);
+            return if is_known { pull_off.error } else { 0.0 };
+        }
+        match (self, reached.floor_share()) {
+            (Self::FloorShare { .. }, Some([_, error])) => {
                 let slope = (self.of(reached) / self.value()).powf(SHARE_POWER) * SHARE_POWER;
                 slope * error
             }
-            (Self::FloorShare { .. } | Self::PullOff { .. }, ..) => 0.0,
-            (Self::Force(_) | Self::ContactRadius(_) | Self::Pressed { .. }, ..) => {
+            (Self::FloorShare { .. } | Self::PullOff { .. }, _) => 0.0,
+            (Self::Force(_) | Self::ContactRadius(_) | Self::Pressed { .. }, _) => {
                 let place = usize::from(self.dimension() == Dimension::Length);
                 reached
                     .errors_of_cells()
                     .map_or(0.0, |errors| errors[place])
             }
-        };
-        if error > LARGEST_ERROR { 0.0 } else { error }
+        }
     }
 
     /// Estimated error of the deviation where the result jumps by less: a contact radius jumps where a pillar comes into contact, and by the error
@@ -2011,7 +2014,7 @@ mod tests {
             else {
                 panic!("the modulus cannot change the share");
             };
-            assert_eq!(limit, Limit::Range);
+            assert_eq!(limit, Limit::NoEffect);
             let off = (wanted.of(&nearest.reached) / floor.share - 1.0).abs();
             assert!(off <= floor.error.share, "{off:e}");
         }
@@ -2207,6 +2210,7 @@ mod tests {
             outcome: Err(Limit::Range),
             excess,
             error: 0.0,
+            error_of_jump: 0.0,
         };
         assert!(trial(0.0).is_met() && trial(-0.5 * TOLERANCE).is_met());
         for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -1,6 +1,6 @@
 //! `fakir design` and `fakir reproduce` from the command line.
 
-use crate::common::{Bench, example};
+use crate::common::{Bench, assert_close, example};
 
 /// Designs each free quantity for the force of a case, then computes the force of the case that was
 /// saved.

@@ -9,7 +9,7 @@ use super::path::{
     AttachedTop, End, FixedQuantity, LONG_STEP, LoadStep, PLAIN_STEP, Path, SAME_FORCE, Stop,
     TopEvent,
 };
-use super::rules::fronts::{Course, Fronts, Works};
+use super::rules::fronts::{Course, Fronts, LEVELS, Works};
 use super::spectral::degrees;
 use super::touched::nearest_first;
 use crate::halfspace::disc::basis::{BasisEvaluator, TILT_MODE, UNIT_FORCE, degree_with};
@@ -67,6 +67,10 @@ const RIM_DEGREE_ERROR: f64 = 1.3;
 const LEVEL_ERROR: f64 = 0.03;
 const LEVEL_ERROR_OF_LOOP: f64 = 0.015;
 
+/// Change of the force on a partially bonded top when its front advances by a level, as a fraction of the pull of the whole top: the
+/// adhesive force is proportional to the area to the power 3/4.
+const LEVEL_STEP: f64 = 0.75 / LEVELS as f64;
+
 /// Safety factor on the force [left open](Path::left_open) by the front levels. That force is the difference, at one load, between a disc
 /// and the front that replaces it; the error grows along the path by a factor of up to 1.7, measured on contacts without adhesion against
 /// the spectral method.
@@ -109,6 +113,7 @@ pub(crate) fn press(
         if missed > SAME_FORCE && missed.is_finite() {
             error.force = error.force.max(missed);
         }
+        error.indentation += loaded.indentation_of_a_level();
     }
     Ok(ContactState {
         error,
@@ -566,6 +571,29 @@ impl Loaded<'_> {
             lost: lost.map(|stations| stations.map(|it| it.indentation)),
             pull_off: strongest.map(|pull| stations[pull.station].force),
             loop_area: closed.then_some(path.energies.work),
+        }
+    }
+
+    /// Relative change of the indentation under a prescribed force if all fronts on partially bonded tops were a level further: the force decreases
+    /// where fronts advance, so that it may be reached before or after such a step.
+    fn indentation_of_a_level(&self) -> f64 {
+        /// Part of the loading curve over which its slope is taken, longer than the steps of the fronts.
+        const PART: f64 = 0.02;
+        let (path, turn) = (&self.loading.path, &self.turn);
+        let scene = path.scene;
+        let partial = turn.pillars.iter();
+        let partial = partial.filter(|pillar| pillar.status == PillarStatus::Partial);
+        let radii = partial.map(|pillar| 0.5 * pillar.diameter / scene.length);
+        let pulls = radii.map(|radius| (8.0 * PI * path.works.advancing * radius.powi(3)).sqrt());
+        let step = LEVEL_STEP * pulls.sum::<f64>();
+        let (end, force) = (turn.indentation / scene.length, turn.force / scene.force());
+        let mut before = path.stations.iter().rev();
+        let before = before.find(|station| station.indentation < (1.0 - PART) * end);
+        let slope = before.map_or(0.0, |it| (force - it.force) / (end - it.indentation));
+        if step > 0.0 && slope > 0.0 {
+            step / (slope * end)
+        } else {
+            0.0
         }
     }
 
