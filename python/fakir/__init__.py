@@ -62,6 +62,7 @@ from ._numbers import Contact, Critical, CycleError, ErrorEstimate, FloorErrors,
 from ._result import Answer, Limit, Result
 from ._problem import problem, read_case
 from ._asperities import (
+    AsperityApproach,
     AsperityArray,
     AsperityContact,
     AsperityCycle,
@@ -92,6 +93,7 @@ __all__ = [
     "AdhesiveFloor",
     "Answer",
     "Approach",
+    "AsperityApproach",
     "AsperityArray",
     "AsperityContact",
     "AsperityCycle",

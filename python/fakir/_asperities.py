@@ -16,6 +16,7 @@ from ._cycle import Adhesion, Drive, checked_plan, cycle_rows, load_step_table
 from ._floor import FloorContact
 from ._format import Row, engineering
 from ._gradient import Gradient
+from ._loading import Loading, checked_path, in_order
 from ._history import Viscoelastic
 from ._numbers import AsperityCycleNumbers, AsperityPressNumbers, AsperityTransitionNumbers
 from ._quantity import FloatArray, Quantity, array, flat, points_at, si
@@ -259,6 +260,39 @@ class AsperityArray(Viscoelastic):
             raise NotConverged(f"the solution {result.termination}", result)
         return result
 
+    def approach(
+        self,
+        step: Quantity = "1 um",
+        until: Quantity | None = None,
+        *,
+        to: Quantity | None = None,
+        to_force: Quantity | None = None,
+        threads: int = 1,
+        progress: Progress | None = None,
+        memory_limit: int | None = None,
+    ) -> AsperityApproach:
+        """Computes a loading in steps of the indentation (m) from first contact.
+
+        It ends at the critical state, or before it at an indentation ``until``; ``to``, an indentation, and ``to_force`` lead past it too.
+        """
+        path = checked_path(step, until, False, to, to_force)
+        run = options(threads, progress, memory_limit)
+        found, reached, others = _fakir.approach_asperities(self._asperities, *path, run)
+        critical = None
+        if reached is not None:
+            critical = AsperityTransition(AsperityContact(self, reached.contact), reached)
+        states = [AsperityContact(self, contact) for contact in others]
+        for contact in others:
+            warn(contact.warnings)
+        found_states: list[AsperityContact | AsperityTransition] = [*states]
+        found_states.extend([] if critical is None else [critical])
+        for state in found_states:
+            if not state.converged:
+                raise NotConverged(f"a solution {state.termination}", state)
+        first = None if critical is None else critical.contact
+        summary = json.loads(found)
+        return AsperityApproach(summary, in_order(summary, first, iter(states)), critical)
+
     def gradient(
         self,
         *,
@@ -479,6 +513,32 @@ class AsperityTransition(AsperityTransitionNumbers):
             ("tops in contact", f"{self.pillars_in_contact} of {len(self.contact.tops)}"),
             ("solution", self.termination),
         ]
+
+
+class AsperityApproach(Loading[AsperityContact]):
+    """The states of a loading on rounded tops, by increasing indentation; iterable."""
+
+    _titles = ("fakir.AsperityApproach: indentation, force", "Approach of rounded tops: indentation, force")
+
+    critical: AsperityTransition | None
+    """The critical state, even if the loading ends before it; None without one."""
+
+    def __init__(
+        self,
+        summary: dict[str, Any],
+        states: list[AsperityContact],
+        critical: AsperityTransition | None,
+    ) -> None:
+        super().__init__(summary, states)
+        self.critical = critical
+
+    def _rows(self) -> list[Row]:
+        rows = []
+        for state, row in zip(self.states, self._summary["states"]):
+            mark = ", critical" if row["critical"] else ""
+            text = f"{engineering(state.force, 'N')}, {state.pillars_in_contact} tops{mark}"
+            rows.append((engineering(state.indentation, "m"), text))
+        return rows
 
 
 class AsperityCycle(AsperityCycleNumbers):

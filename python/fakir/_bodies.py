@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, TypedDict, Unpack
 
 import numpy as np
+import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from ._quantity import Quantity, si, without_mask
+from ._quantity import Quantity, WithUnit, si, without_mask, without_unit
 
 _FORMER_OPTIONS = {"height_spread": "height_standard_deviation", "missing": "vacancy_fraction"}
 """Deprecated names of options, with the present ones."""
@@ -21,6 +22,15 @@ _FORMER_OPTIONS = {"height_spread": "height_standard_deviation", "missing": "vac
 def _warn_of_former(name: str) -> None:
     """Warns the caller of the calling function that an option or an attribute was used by its deprecated name."""
     warnings.warn(f"{name} is now called {_FORMER_OPTIONS[name]}", FutureWarning, stacklevel=3)
+
+
+def _lengths(values: object, name: str) -> npt.NDArray[np.float64]:
+    """Lengths of pillars, m; NaN where a pillar has the common one."""
+    if isinstance(values, WithUnit):
+        values = without_unit(values, "length", name)
+    elif isinstance(values, str):
+        values = si(values, "length", name)
+    return np.asarray(without_mask(values), dtype=float)
 
 
 def _set_material(body: object, keys: str, young_modulus: Quantity, poisson_ratio: Quantity) -> None:
@@ -647,13 +657,15 @@ class Pillars:
         reference_diameter: Quantity | None = None,
         compliance: Literal["column", "elastic", "none"] = "column",
     ) -> None:
-        columns = [np.asarray(without_mask(values), dtype=float) for values in (x, y, height, diameter)]
+        columns: list[npt.NDArray[np.float64]] = []
         for name, given in (("x", x), ("y", y), ("height", height), ("diameter", diameter)):
             if np.ma.is_masked(given):
                 row = int(np.flatnonzero(np.ma.getmaskarray(np.ma.asarray(given)))[0])
                 raise ValueError(f"{name}[{row}] is masked: leave this pillar out of all columns")
+            columns.append(_lengths(given, name))
         try:
-            columns = [np.ravel(values) for values in np.broadcast_arrays(*columns)]
+            # Copies: later changes of the given arrays do not change the pillars.
+            columns = [np.array(values).ravel() for values in np.broadcast_arrays(*columns)]
         except ValueError as error:
             raise ValueError(
                 f"x, y, height and diameter have to be arrays of one length, or single numbers: {error}"

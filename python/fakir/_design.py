@@ -468,21 +468,30 @@ class Citation(NamedTuple):
 
 
 def cite(*what: object, theory: bool = False) -> list[Citation]:
-    """References to cite for systems and results; with ``theory`` also for closed forms.
+    """References to cite for systems of any surface, contacts, critical states, loadings and verifications; with ``theory`` also for closed forms.
+
+    Cycles, gradients, histories and samples do not contain their system: give it.
 
     ``print("\\n".join(entry.bibtex for entry in fakir.cite(critical)))`` prints a bibliography.
     """
     cases: list[_fakir.Case] = []
+    flats: list[_fakir.Flat] = []
     surface: bool | None = None
     rounded: bool | None = None
     for item in what:
+        states = getattr(item, "states", None) or [getattr(item, "spectral", item)]
+        item = states[0]
         system = getattr(item, "system", item)
         if isinstance(system, System):
             cases.append(system._case)
+        elif isinstance(system, FlatSystem):
+            flats.append(system._flat)
         elif hasattr(item, "periodic"):
             surface = bool(item.periodic)
         elif hasattr(item, "top_radius") or hasattr(item, "tops"):
             rounded = bool(rounded) or hasattr(item, "interactions_ignored")
         else:
-            raise TypeError(f"nothing to cite for {type(item).__name__}: give a system or a result")
-    return [Citation(*entry) for entry in _fakir.cite(cases, theory, surface, rounded)]
+            raise TypeError(
+                f"a {type(item).__name__} does not contain its system: give the system, or a contact or critical state of it"
+            )
+    return [Citation(*entry) for entry in _fakir.cite(cases, flats, theory, surface, rounded)]

@@ -164,6 +164,8 @@ class Viscoelastic:
             (is_force, value, rise),
             (is_force, value, finite(duration, "time", "duration")),
         ]
+        if not isinstance(back, (bool, np.bool_)):
+            raise TypeError(f"back is {back!r}: give True or False")
         if back:
             segments.append((is_force, 0.0, rise))
         return self._followed(segments, relaxation, options(threads, progress, memory_limit))

@@ -62,19 +62,20 @@ class Approach(Loading[ContactState]):
 
     _titles = ("fakir.Approach: indentation, force", "Approach of the lens: indentation, force")
 
-    critical: CriticalState
-    """The critical state, even if the loading ends before it."""
+    critical: CriticalState | None
+    """The critical state, even if the loading ends before it; None under lenses without one."""
 
     def __init__(
-        self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState
+        self, summary: dict[str, Any], states: list[ContactState], critical: CriticalState | None
     ) -> None:
         super().__init__(summary, states)
         self.critical = critical
 
     def _rows(self) -> list[Row]:
         rows = []
+        critical = self.critical.state if self.critical is not None else None
         for state in self.states:
-            mark = ", critical" if state is self.critical.state else ""
+            mark = ", critical" if state is critical else ""
             if state.floor is not None:
                 mark = f", {engineering(state.floor.force, 'N', 4)} of it on the floor"
             text = f"{engineering(state.force, 'N')}, {state.pillars_in_contact} pillars{mark}"
@@ -128,9 +129,10 @@ def approach(system: System, path: Path, options: _fakir.Options) -> Approach:
     """Computes all states of a loading."""
     found, reached, others = _fakir.approach(system._case, *path, options)
     summary = json.loads(found)
-    critical = critical_state(reached, system)
+    critical = None if reached is None else critical_state(reached, system)
     rest = (_state(state, system) for state in others)
-    return Approach(summary, in_order(summary, critical.state, rest), critical)
+    state = critical.state if critical is not None else None
+    return Approach(summary, in_order(summary, state, rest), critical)
 
 
 def _state(state: _fakir.State, system: System) -> ContactState:

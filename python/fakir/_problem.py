@@ -73,6 +73,9 @@ def problem(
         x, y = (at - axis for at, axis in zip((surface.x, surface.y), surface.axis))
         diameter = None if np.isnan(surface.diameter).all() else surface.diameter
         options.setdefault("diameter", diameter)
+        options.setdefault("compliance", surface.compliance)
+        given = dict(surface.reference)
+        options.setdefault("reference_height", given["pattern.pillar.height"])
         return AsperityArray(x, y, surface.height, top_radius, indenter, substrate, **options)
     if isinstance(surface, Flat):
         return FlatSystem(indenter, substrate, **options)

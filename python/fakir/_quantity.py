@@ -62,7 +62,7 @@ def si(value: Quantity, dimension: Dimension, name: str) -> float:
     if isinstance(value, bool):
         raise TypeError(f"{name} is {value}: {_accepted(dimension)}")
     if isinstance(value, WithUnit):
-        return float(_without_unit(value, dimension, name))
+        return float(without_unit(value, dimension, name))
     if isinstance(value, numbers.Real) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return float(value)
     raise TypeError(f"{name} is of type {type(value).__name__}: {_accepted(dimension)}")
@@ -79,7 +79,7 @@ def finite(value: Quantity, dimension: Dimension, name: str) -> float:
 def array(values: object, dimension: Dimension, name: str) -> FloatArray:
     """An array of float64 in SI units: from float64 without a copy, from float32, or from integers."""
     if isinstance(values, WithUnit):
-        values = _without_unit(values, dimension, name)
+        values = without_unit(values, dimension, name)
     if isinstance(values, str):
         values = si(values, dimension, name)
     found = without_mask(values)
@@ -124,7 +124,7 @@ def flat(values: FloatArray) -> FloatArray:
     return np.ascontiguousarray(values).reshape(-1)
 
 
-def _without_unit(value: WithUnit, dimension: Dimension, name: str) -> Any:
+def without_unit(value: WithUnit, dimension: Dimension, name: str) -> Any:
     try:
         return value.to(UNITS[dimension]).magnitude
     except Exception as error:

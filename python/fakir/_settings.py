@@ -47,14 +47,23 @@ def overrides_of(overrides: Overrides | None, former: Overrides | None) -> Overr
 
 def settings(overrides: Overrides | None) -> list[str]:
     """Overrides as arguments of ``--set``."""
-    return [f"{key}={_written(value)}" for key, value in (overrides or {}).items()]
+    return [f"{key}={_written(key, value)}" for key, value in (overrides or {}).items()]
 
 
-def _written(value: Quantity) -> str:
+def magnitude(value: WithUnit, key: str) -> float:
+    """The number of a quantity in the SI unit of a key of a case; what is no key, as a setting of a study, has the base units of its registry."""
+    try:
+        dimension = _fakir.dimension(key)
+    except ValueError:
+        return float(value.to_base_units().magnitude)  # type: ignore[attr-defined]
+    return si(value, dimension, key)
+
+
+def _written(key: str, value: Quantity) -> str:
     if isinstance(value, str):
         return value
     if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, WithUnit):
-        return repr(float(value.to_base_units().magnitude))  # type: ignore[attr-defined]
+        return repr(magnitude(value, key))
     return repr(value.item() if hasattr(value, "item") else value)

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _fakir
 from ._quantity import WithUnit
-from ._settings import Overrides, settings
+from ._settings import Overrides, magnitude, settings
 from ._system import System
 from .bem import Surface
 
@@ -37,6 +37,11 @@ def _to_toml(tables: Mapping[str, Any]) -> str:
     """Converts a dictionary to a study file; the value of ``"system"``, a `System` or a `Surface` of a case file, is the case."""
     texts = []
     for name, table in tables.items():
+        if isinstance(table, System) and not table._has_file():
+            raise TypeError(
+                "a study reads listed pillars from a file: write the table by the pattern's to_csv, and give the path of "
+                "a case file with it, by to_toml"
+            )
         if isinstance(table, (System, Surface)):
             texts.append(table.to_toml())
             continue
@@ -57,8 +62,10 @@ def _key(key: object) -> str:
 
 
 def _value(value: Any, name: object) -> str:
-    if isinstance(value, WithUnit):
-        value = value.to_base_units().magnitude  # type: ignore[attr-defined]
+    if isinstance(value, WithUnit) and np.ndim(value.magnitude) == 0:
+        value = magnitude(value, str(name))
+    elif isinstance(value, WithUnit):
+        value = [magnitude(item, str(name)) for item in value]  # type: ignore[attr-defined]
     if isinstance(value, np.ndarray):
         value = value.tolist()
     if isinstance(value, np.generic):
@@ -70,7 +77,8 @@ def _value(value: Any, name: object) -> str:
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, Mapping):
-        items = (f"{_key(key)} = {_value(item, key)}" for key, item in value.items())
+        # The values of an axis, as its ends, have the unit of its key.
+        items = (f"{_key(key)} = {_value(item, name)}" for key, item in value.items())
         return "{ " + ", ".join(items) + " }"
     if isinstance(value, Sequence):
         return "[" + ", ".join(_value(item, name) for item in value) + "]"

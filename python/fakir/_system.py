@@ -201,9 +201,10 @@ class System(Viscoelastic, Shown):
     def _problem(self) -> _fakir.Case:
         return self._case
 
-    def to_toml(self) -> str:
-        """The case as a commented file, which reproduces the system exactly."""
-        return self._case.to_toml()
+    def to_toml(self, table: str = "pillars.csv") -> str:
+        """The case as a commented file, which reproduces the system exactly. `Pillars` that were given as arrays are read from a table of that name in
+        the same folder: write it by their ``to_csv``."""
+        return self._case.to_toml_with_table(table)
 
     def replace(
         self, overrides: Overrides | None = None, *, set: Overrides | None = None
@@ -585,20 +586,24 @@ class System(Viscoelastic, Shown):
             rows.append(("adhesion", work + more + floor))
         return rows
 
+    def _has_file(self) -> bool:
+        """Whether a case file reproduces it without a further table."""
+        return self._case.to_toml() == self._case.to_toml_with_table("pillars.csv")
+
     def __eq__(self, other: object) -> bool:
-        if not isinstance(other, System) or self.to_toml() != other.to_toml():
+        if not isinstance(other, System) or self._case.to_toml() != other._case.to_toml():
             return False
         return self._case.listed() == other._case.listed()
 
     def __hash__(self) -> int:
-        return hash(self.to_toml())
+        return hash(self._case.to_toml())
 
     def __reduce__(self) -> tuple[Any, ...]:
         rows = self._case.listed()
         if rows is None:
-            return System.from_toml, (self.to_toml(),)
+            return System.from_toml, (self._case.to_toml(),)
         # The copy must not depend on the file of the pillars.
-        return _with_listed, (self.to_toml(), rows)
+        return _with_listed, (self._case.to_toml(), rows)
 
 
 def _with_listed(text: str, rows: list[list[float]]) -> System:

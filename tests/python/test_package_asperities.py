@@ -296,3 +296,27 @@ def test_derivatives_of_rounded_tops():
     ]
     assert gradient.force["pattern.pitch"] == pytest.approx((forces[1] - forces[0]) / 2e-10, rel=1e-4)
     assert gradient.stiffness > 0 and "stiffness" in str(gradient)
+
+
+def test_the_loading_is_that_of_the_program():
+    case = Path(__file__).parents[2] / "examples" / "asperities.toml"
+    overrides = {"pattern.columns": 2, "lens.shape": "sphere", "lens.radius": "60 mm"}
+    array = fakir.AsperityArray.from_file(case, overrides)
+    sets = [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]
+    run = [os.environ["FAKIR"], "approach", str(case), *sets, "--step=5um", "--until=20um", "--json", "--quiet"]
+    expected = json.loads(subprocess.run(run, capture_output=True, text=True, check=True).stdout)
+    loading = array.approach("5 um", until="20 um")
+    assert [row["force_N"] for row in loading.to_dict()["states"]] == [row["force_N"] for row in expected["states"]]
+    assert [state.force for state in loading] == list(loading.to_pandas()["force_N"])
+    assert (loading.critical is None) == (expected["critical"] is None)
+
+
+def test_pillars_with_rounded_tops_keep_their_compliance():
+    """Expected: the array with the same options."""
+    x = np.array([0.0, 2e-3])
+    for options in ({"compliance": "none"}, {"reference_height": "150 um"}):
+        made = fakir.problem(GLASS, RUBBER, fakir.Pillars(x, 0 * x, 200e-6, 1e-3, **options), top_radius="526 um")
+        by_hand = fakir.AsperityArray(x, 0 * x, 200e-6, "526 um", GLASS, RUBBER, diameter="1 mm", **options)
+        assert made.press(force="1 mN").indentation == by_hand.press(force="1 mN").indentation
+    with pytest.raises(ValueError, match="compliance is 'elastic'"):
+        fakir.problem(GLASS, RUBBER, fakir.Pillars(x, 0 * x, 200e-6, 1e-3, compliance="elastic"), top_radius="526 um")

@@ -191,3 +191,15 @@ def test_derivatives_and_a_second_method():
     adhesive = fakir.FlatSystem(lens(), RUBBER, adhesion=WORK).verify(force="1 mN", cells_per_diameter=48)
     assert adhesive.agrees and abs(adhesive.contact_area.relative) < adhesive.contact_area.allowed < 0.2
     assert adhesive.elements[1].contact_area > verified.elements[1].contact_area
+
+
+def test_what_to_cite_for_a_flat_surface():
+    """Expected: what `fakir cite` prints for the example."""
+    case = Path(__file__).parents[2] / "examples" / "flat.toml"
+    printed = subprocess.run([os.environ["FAKIR"], "cite", str(case)], capture_output=True, text=True, check=True).stdout
+    system = fakir.FlatSystem.from_file(case)
+    entries = fakir.cite(system)
+    assert len(entries) == printed.count("@") > 2
+    assert entries == fakir.cite(system.press(indentation="1 um"))
+    with pytest.raises(TypeError, match="does not contain its system"):
+        fakir.cite(system.gradient(indentation="1 um"))

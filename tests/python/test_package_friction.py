@@ -82,3 +82,19 @@ def test_answers_without_lateral_force_warn_as_the_command_does():
     with pytest.warns(fakir.FakirWarning, match=words.format("fit")) as caught:
         fakir.fit(data, flat, ["substrate.young_modulus"])
     assert all(warning.filename == __file__ for warning in caught)
+
+
+def test_the_force_is_used_where_the_load_is_given_twice():
+    """Exact data of 300 kPa on a flat surface, with indentations that are five times too large."""
+    rubber = {"young_modulus": 2e6, "poisson_ratio": 0.5}
+    flat = fakir.FlatSystem(fakir.ParaboloidLens(2e-3, **rubber), fakir.Substrate(**rubber))
+    forces = [1e-5, 3e-5, 6e-5]
+    contacts = [flat.press(force=force) for force in forces]
+    data = {
+        "force_N": forces,
+        "indentation_m": [5 * contact.indentation for contact in contacts],
+        "lateral_force_N": [300e3 * contact.contact_area for contact in contacts],
+    }
+    fitted = fakir.fit_friction(data, flat)
+    assert fitted.shear_stress_tops.value == pytest.approx(300e3, rel=1e-6)
+    assert list(fitted.to_pandas()["force_N"]) == pytest.approx(forces, rel=1e-12)

@@ -305,3 +305,47 @@ def test_bodies_of_rounded_tops_can_have_a_thickness(tmp_path) -> None:
     read = fakir.AsperityArray.from_file(tmp_path / "case.toml")
     assert (read.indenter, read.substrate) == (thick, thin)
     assert read.press(indentation="0.2 um").force == on_film.press(indentation="0.2 um").force
+
+
+def test_overrides_with_units_have_those_of_their_keys():
+    """Numbers of overrides are in SI units, whatever the base units of a registry; another dimension is refused."""
+    small = UNITS.__class__(system="cgs")
+    for registry in (UNITS, small):
+        other = system().replace({"lens.radius": 1.1 * registry.mm, "substrate.young_modulus": 3 * registry.MPa})
+        assert other.lens.radius == pytest.approx(1.1e-3) and other.substrate.young_modulus == pytest.approx(3e6)
+    with pytest.raises(pint.DimensionalityError):
+        system().replace({"lens.radius": 1e-3 * UNITS.N})
+    with pytest.raises(pint.DimensionalityError):
+        fakir.sweep({"system": system(), "axes": {"pitch": [5e-5 * UNITS.N]}})
+    rows = fakir.sweep({"system": system(), "axes": {"pitch": [6e-5, 7e-5] * UNITS.m}}).rows
+    assert [row["pitch_m"] for row in rows] == [6e-5, 7e-5]
+
+
+def test_pillars_with_units_are_copied():
+    x = np.array([0.0, 20.0, 0.0])
+    plain = fakir.Pillars(1e-6 * x, [0.0, 0.0, 20e-6], 2.2e-6, "6 um")
+    given = fakir.Pillars(x * UNITS.um, [0.0, 0.0, 20.0] * UNITS.um, "2.2 um", 6 * UNITS.um)
+    for name in ("x", "y", "height", "diameter"):
+        np.testing.assert_allclose(getattr(given, name), getattr(plain, name), rtol=1e-15)
+    mine = 1e-6 * x
+    copied = fakir.Pillars(mine, mine, 2.2e-6, 6e-6)
+    mine[:] = 0.0
+    assert copied.x[1] == 20e-6
+
+
+def test_listed_pillars_as_a_file(tmp_path):
+    pillars = fakir.Pillars([0.0, 20e-6], [0.0, 0.0], [2.2e-6, 2e-6], 6e-6)
+    made = fakir.System(fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), pillars)
+    (tmp_path / "case.toml").write_text(made.to_toml())
+    pillars.to_csv(tmp_path / "pillars.csv")
+    assert fakir.System.from_file(tmp_path / "case.toml").press(force="1 uN").indentation == made.press(force="1 uN").indentation
+    with pytest.raises(TypeError, match="reads listed pillars from a file"):
+        fakir.sweep({"system": made, "axes": {"lens.radius": ["1 mm"]}})
+    with pytest.raises(ValueError, match="the table gives it for every pillar"):
+        fakir.spread(made, {"pattern.pillar.diameter": "5 %"}, samples=3, landing="as_given")
+
+
+def test_yes_and_no_are_not_words():
+    relaxation = fakir.Relaxation([1.0], ["10 s"])
+    with pytest.raises(TypeError, match="give True or False"):
+        system().hold(relaxation, force="20 uN", hold="1 s", back="no")

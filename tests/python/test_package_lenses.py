@@ -85,3 +85,19 @@ def test_what_cannot_be_is_refused():
     other = fakir.System(LENSES[1], fakir.Substrate(*RUBBER), paper)
     with pytest.raises(ValueError, match="only spherical lenses are supported"):
         fakir.theory.phase(other, 1e-3, 1e-4)
+
+
+@pytest.mark.parametrize("name", ["cylinder.toml", "plate"])
+def test_a_loading_without_a_critical_state(name):
+    """Expected: what `fakir approach --json` prints."""
+    lens = fakir.PlateLens(*RUBBER)
+    system = fakir.System(lens, fakir.Substrate(*RUBBER), CUT)
+    if name != "plate":
+        system = fakir.System.from_file(EXAMPLES / name)
+    loading = system.approach("0.05 um", to="0.1 um")
+    assert loading.critical is None and len(loading) == len(loading.to_pandas())
+    assert "critical" not in repr(loading)
+    if name != "plate":
+        run = [os.environ["FAKIR"], "approach", str(EXAMPLES / name), "--step=0.05um", "--to=0.1um", "--json", "--quiet"]
+        expected = json.loads(subprocess.run(run, capture_output=True, text=True, check=True).stdout)
+        assert [state.force for state in loading] == [row["force_N"] for row in expected["states"]]

@@ -4,8 +4,8 @@ use crate::key::{Key, Setting};
 use crate::parts::{ArrangementName, OfPillarPattern, Parts};
 use crate::table::Range;
 use fakir::problem::{
-    HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, PillarPattern, Point,
-    Relaxation, System,
+    Arrangement, HexagonalLattice, Lens, Material, Method, Pillar, PillarCompliance, PillarPattern,
+    Point, Relaxation, System,
 };
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -110,6 +110,17 @@ impl Case {
     #[must_use]
     pub fn to_toml(&self) -> String {
         write_toml(|key| self.value(key))
+    }
+
+    /// The same, with the name of a table of pillars that were given without a file.
+    #[must_use]
+    pub fn to_toml_with_table(&self, name: &str) -> String {
+        let is_without_file =
+            self.pillars.is_none() && matches!(self.system.arrangement(), Arrangement::Listed(_));
+        write_toml(|key| match key {
+            Key::Pillars if is_without_file => Some(toml::Value::from(name).to_string()),
+            _ => self.value(key),
+        })
     }
 
     /// Value of a key; `None` if the case does not have it.

@@ -167,6 +167,11 @@ pub enum SpreadError {
     /// A key that is not a number of the case.
     #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]
     NotVariable(Key),
+    /// A size that the table of pillars gives for every pillar.
+    #[error(
+        "{} has no tolerance here: the table gives it for every pillar, and this value is only the one to which indentations and results refer: leave the column out of the table", .0.path()
+    )]
+    OfTable(Key),
     /// A key is given twice.
     #[error("{} has two tolerances", .0.path())]
     Twice(Key),
@@ -399,6 +404,9 @@ fn varied(
             Kind::Word | Kind::Text | Kind::List(_) => None,
         };
         let mean = mean.ok_or(SpreadError::NotVariable(*key))?;
+        if is_of_table(file, case, *key, mean) {
+            return Err(SpreadError::OfTable(*key));
+        }
         if varied.iter().any(|(other, _, _)| other == key) {
             return Err(SpreadError::Twice(*key));
         }
@@ -412,6 +420,20 @@ fn varied(
         varied.push((*key, mean, deviation));
     }
     Ok(varied)
+}
+
+/// Whether a size of the common pillar is that of no pillar, as the table gives those of all.
+fn is_of_table(file: &CaseFile, case: &AnyCase, key: Key, value: f64) -> bool {
+    if ![Key::PillarHeight, Key::PillarDiameter].contains(&key) {
+        return false;
+    }
+    let mut other = file.clone();
+    other.set_number(key, 1.001 * value);
+    let (AnyCase::Pillars(case), Ok(AnyCase::Pillars(other))) = (case, other.any_case(&[])) else {
+        return false;
+    };
+    let lists = [case.system.arrangement(), other.system.arrangement()];
+    matches!(lists, [Arrangement::Listed(one), Arrangement::Listed(other)] if one == other)
 }
 
 /// What is right in the place of a key that a height map does not have; `None` for the keys that it has.

@@ -2,9 +2,10 @@
 
 use crate::answer::Answer;
 use crate::error::{
-    PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
+    PYTHON, approach_error, case_error, pillar_heights_error, solve_error, value_error,
+    warn_of_deprecations,
 };
-use crate::load::{load, load_or_critical, plan};
+use crate::load::{load, load_or_critical, path, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
@@ -20,8 +21,8 @@ use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
 use fakir_study::record::{AsperityAnswer, AsperityCritical, GradientObject};
 use fakir_study::result::{
-    self, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
-    asperity_press, asperity_warnings, json,
+    self, ApproachSummary, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings,
+    asperity_pillars, asperity_press, asperity_warnings, json,
 };
 use fakir_study::workshop::Relief;
 use numpy::PyReadonlyArray1;
@@ -305,6 +306,47 @@ pub(crate) fn press_asperities(
     })?;
     let contact = contact.map_err(|error| solve_error(&error))?;
     AsperityContact::made(py, case, contact, start.elapsed().as_secs_f64())
+}
+
+/// The object that `fakir approach --json` prints for rounded tops, the critical state, and the other contacts.
+type Loading = (
+    String,
+    Option<Py<AsperityTransition>>,
+    Vec<Py<AsperityContact>>,
+);
+
+/// Computes the contacts of a loading in steps of the indentation (m).
+#[pyfunction]
+pub(crate) fn approach_asperities(
+    py: Python<'_>,
+    tops: &Asperities,
+    step: f64,
+    until: Option<f64>,
+    to: Option<f64>,
+    to_force: Option<f64>,
+    options: Options,
+) -> PyResult<Loading> {
+    let path = path(step, until, to, to_force)?;
+    let case = &tops.case;
+    let (found, states) = watched(py, &options, |run| {
+        let mut states = Vec::new();
+        let mut keep = |contact, wall_time| states.push((contact, wall_time));
+        let found = fakir_study::approach::approach(case, &path, run, &|_| {}, &mut keep);
+        (found, states)
+    })?;
+    let found = found.map_err(|error| approach_error(&error))?;
+    let summary = json(&ApproachSummary::new(case, &found));
+    let critical = found
+        .critical
+        .map(|critical| AsperityTransition::made(py, case, critical, found.critical_time));
+    let states = states
+        .into_iter()
+        .map(|(contact, time)| AsperityContact::made(py, case.clone(), contact, time));
+    Ok((
+        summary,
+        critical.transpose()?,
+        states.collect::<PyResult<_>>()?,
+    ))
 }
 
 /// The object that `fakir verify --json` prints for rounded tops, and the contact with discs.

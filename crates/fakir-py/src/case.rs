@@ -68,6 +68,11 @@ impl Case {
         self.case.to_toml()
     }
 
+    /// The same, with the name of a table of pillars that were given as arrays.
+    fn to_toml_with_table(&self, name: &str) -> String {
+        self.case.to_toml_with_table(name)
+    }
+
     /// Numbers in SI units and words, by their keys. Includes both pitch and surface fraction.
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let values = PyDict::new(py);
@@ -179,10 +184,15 @@ pub(crate) fn parse_case(name: &str, text: &str, overrides: Vec<String>) -> PyRe
     Described::of(file, &overrides, false)
 }
 
-/// Dimension of the numbers of a key: `"length"` and similar.
+/// Dimension of the numbers of a key, or of all keys of a last name: `"length"` and similar.
 #[pyfunction]
 pub(crate) fn dimension(path: &str) -> PyResult<&'static str> {
-    Ok(key(path)?.dimension().noun())
+    let named = [false, true].map(|surface| Key::named(path, surface));
+    let mut dimensions = named.iter().flatten().map(|key| key.dimension());
+    match dimensions.next() {
+        Some(first) if dimensions.all(|other| other == first) => Ok(first.noun()),
+        _ => Ok(key(path)?.dimension().noun()),
+    }
 }
 
 /// A number with a unit, such as `2200 um`, or a bare number, in SI units.

@@ -16,6 +16,7 @@ use fakir_inverse::design::{
     Answer, Candidate, Design, PressedQuantity, Reached, Wanted, free_key,
 };
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
+use fakir_study::answer::described;
 use fakir_study::citations::{Citation, Topic, citations};
 use fakir_study::result::json;
 use pyo3::prelude::*;
@@ -268,15 +269,16 @@ pub(crate) fn spread<'py>(
     Ok((json(&summary), columns(py, &spread.table(&sampling))?))
 }
 
-/// References to cite: text, BibTeX entry and reason of each. `surface` gives whether the surface is periodic, `rounded` whether heights of
+/// References to cite for cases with flat tops and with flat surfaces: text, BibTeX entry and reason of each. `surface` gives whether the surface is periodic, `rounded` whether heights of
 /// rounded tops were designed; `None` if there are none.
 #[pyfunction]
 pub(crate) fn cite(
     cases: Vec<PyRef<'_, Case>>,
+    flats: Vec<PyRef<'_, Flat>>,
     closed_forms: bool,
     surface: Option<bool>,
     rounded: Option<bool>,
-) -> Vec<(String, String, String)> {
+) -> PyResult<Vec<(String, String, String)>> {
     let mut topics: Vec<Topic> = Vec::new();
     if closed_forms {
         topics.push(Topic::ClosedForms);
@@ -291,12 +293,23 @@ pub(crate) fn cite(
         topics.push(Topic::Asperities);
         topics.extend(designed.then_some(Topic::DesignedHeights));
     }
-    for topic in cases.iter().flat_map(|case| Topic::of_case(&case.case)) {
+    let mut more: Vec<Topic> = Vec::new();
+    more.extend(cases.iter().flat_map(|case| Topic::of_case(&case.case)));
+    for flat in &flats {
+        let case = flat
+            .file
+            .any_case(&[])
+            .map_err(|error| case_error(&error))?;
+        let described = described(&case).map_err(|error| case_error(&error))?;
+        more.extend(described.topics);
+    }
+    for topic in more {
         if !topics.contains(&topic) {
             topics.push(topic);
         }
     }
     let all = citations(&topics).into_iter();
-    all.map(|citation: Citation| (citation.text(), citation.bibtex(), citation.why))
-        .collect()
+    Ok(all
+        .map(|citation: Citation| (citation.text(), citation.bibtex(), citation.why))
+        .collect())
 }

@@ -33,8 +33,8 @@ mod _fakir {
     use super::answer::{Answer, record};
     #[pymodule_export]
     use super::asperities::{
-        Asperities, AsperityContact, AsperityTransition, asperity_transition, cycle_asperities,
-        design_heights, gradient_asperities, press_asperities, verify_asperities,
+        Asperities, AsperityContact, AsperityTransition, approach_asperities, asperity_transition,
+        cycle_asperities, design_heights, gradient_asperities, press_asperities, verify_asperities,
     };
     #[pymodule_export]
     use super::case::{Case, dimension, parse_case, parse_quantity, read_case};

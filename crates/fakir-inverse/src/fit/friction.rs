@@ -83,7 +83,7 @@ pub enum FrictionError {
 ///
 /// The file is a table as for [`Measurements`](super::Measurements), with the columns `lateral_force_N` (also called friction, tangential or
 /// shear force, in any unit), one of `indentation_m` and `force_N` (normal force) or both, and optionally `lateral_force_error_N`. With both
-/// columns of the load the indentation is used.
+/// columns of the load the force is used, and the indentation where a row has no force or is in tension.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LateralForces {
     name: String,
@@ -154,7 +154,7 @@ impl LateralForces {
 
     fn of(
         reader: &Reader<'_>,
-        layout: Layout,
+        mut layout: Layout,
         columns: &[Column],
         rows: &[(u64, RowValues)],
     ) -> Result<Self, DataError> {
@@ -166,6 +166,10 @@ impl LateralForces {
                 layout.seen()
             );
             return Err(reader.fail(None, None, problem));
+        }
+        if has(Column::Indentation) && has(Column::Force) {
+            let note = "the normal load is given twice: force_N is used, and indentation_m in rows without force or in tension";
+            layout.notes.push(note.to_owned());
         }
         let has_errors = has(Column::LateralForceError);
         let mut found = Vec::new();
@@ -180,8 +184,11 @@ impl LateralForces {
                     return Err(reader.fail(Some(*line), Some(column.name()), problem));
                 }
             }
-            let load = value(Column::Indentation).map(Load::Indentation);
-            let load = load.or_else(|| value(Column::Force).map(Load::Force));
+            let indentation = value(Column::Indentation);
+            let force = value(Column::Force);
+            let force = force.filter(|force| *force >= 0.0 || indentation.is_none());
+            let load = force.map(Load::Force);
+            let load = load.or_else(|| indentation.map(Load::Indentation));
             let (Some(load), Some(lateral)) = (load, value(Column::LateralForce)) else {
                 continue;
             };
