@@ -1,7 +1,12 @@
 """Rounded pillar tops, and heights that are designed for a curve."""
 
+import json
+import os
+import subprocess
+
 import numpy as np
 import pytest
+from conftest import EXAMPLES
 
 import fakir
 from fakir.bem import Plate
@@ -299,7 +304,7 @@ def test_derivatives_of_rounded_tops():
 
 
 def test_the_loading_is_that_of_the_program():
-    case = Path(__file__).parents[2] / "examples" / "asperities.toml"
+    case = EXAMPLES / "asperities.toml"
     overrides = {"pattern.columns": 2, "lens.shape": "sphere", "lens.radius": "60 mm"}
     array = fakir.AsperityArray.from_file(case, overrides)
     sets = [part for key, value in overrides.items() for part in ("--set", f"{key}={value}")]

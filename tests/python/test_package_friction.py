@@ -96,5 +96,5 @@ def test_the_force_is_used_where_the_load_is_given_twice():
         "lateral_force_N": [300e3 * contact.contact_area for contact in contacts],
     }
     fitted = fakir.fit_friction(data, flat)
-    assert fitted.shear_stress_tops.value == pytest.approx(300e3, rel=1e-6)
+    assert fitted.tops.value == pytest.approx(300e3, rel=1e-6)
     assert list(fitted.to_pandas()["force_N"]) == pytest.approx(forces, rel=1e-12)

@@ -313,9 +313,9 @@ def test_overrides_with_units_have_those_of_their_keys():
     for registry in (UNITS, small):
         other = system().replace({"lens.radius": 1.1 * registry.mm, "substrate.young_modulus": 3 * registry.MPa})
         assert other.lens.radius == pytest.approx(1.1e-3) and other.substrate.young_modulus == pytest.approx(3e6)
-    with pytest.raises(pint.DimensionalityError):
+    with pytest.raises(ValueError, match="lens.radius: Cannot convert from 'newton'"):
         system().replace({"lens.radius": 1e-3 * UNITS.N})
-    with pytest.raises(pint.DimensionalityError):
+    with pytest.raises(ValueError, match="pitch: Cannot convert from 'newton'"):
         fakir.sweep({"system": system(), "axes": {"pitch": [5e-5 * UNITS.N]}})
     rows = fakir.sweep({"system": system(), "axes": {"pitch": [6e-5, 7e-5] * UNITS.m}}).rows
     assert [row["pitch_m"] for row in rows] == [6e-5, 7e-5]
@@ -330,7 +330,7 @@ def test_pillars_with_units_are_copied():
     mine = 1e-6 * x
     copied = fakir.Pillars(mine, mine, 2.2e-6, 6e-6)
     mine[:] = 0.0
-    assert copied.x[1] == 20e-6
+    assert copied.x[1] == plain.x[1]
 
 
 def test_listed_pillars_as_a_file(tmp_path):
@@ -348,4 +348,4 @@ def test_listed_pillars_as_a_file(tmp_path):
 def test_yes_and_no_are_not_words():
     relaxation = fakir.Relaxation([1.0], ["10 s"])
     with pytest.raises(TypeError, match="give True or False"):
-        system().hold(relaxation, force="20 uN", hold="1 s", back="no")
+        system().hold(force="20 uN", duration="1 s", back="no", relaxation=relaxation)

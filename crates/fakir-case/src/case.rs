@@ -115,8 +115,9 @@ impl Case {
     /// The same, with the name of a table of pillars that were given without a file.
     #[must_use]
     pub fn to_toml_with_table(&self, name: &str) -> String {
+        let path = self.pillars.as_ref().and_then(|it| it.path.as_ref());
         let is_without_file =
-            self.pillars.is_none() && matches!(self.system.arrangement(), Arrangement::Listed(_));
+            path.is_none() && matches!(self.system.arrangement(), Arrangement::Listed(_));
         write_toml(|key| match key {
             Key::Pillars if is_without_file => Some(toml::Value::from(name).to_string()),
             _ => self.value(key),

@@ -1,7 +1,7 @@
 //! Command-line arguments (clap) with their help texts.
 
 use crate::failure::Failure;
-use crate::session::{RunArguments, memory};
+use crate::session::{RunArguments, Session, memory};
 use crate::standard::case_file;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
@@ -1494,6 +1494,10 @@ pub(crate) struct CaseArguments {
 }
 
 impl CaseArguments {
+    pub(crate) fn session(&self, run: &RunArguments) -> Result<Session, Failure> {
+        Session::start(run, self.quiet, self.output.is_some())
+    }
+
     /// Whether existing results are replaced.
     pub(crate) fn replace(&self) -> Replace {
         if self.overwrite {

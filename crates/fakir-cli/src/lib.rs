@@ -22,7 +22,6 @@ use fakir_study::answer::{Details, Request, Running};
 use fakir_study::history::HistoryPlan;
 use fakir_study::numbers;
 use fakir_study::report::Report;
-use session::Session;
 use std::ffi::OsString;
 
 /// Runs the command with its arguments, the first of which is its name, and returns its exit status.
@@ -61,7 +60,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Cycle(options) => ask(command, &options.asked()?),
         Command::Hold(options) => ask(command, &options.asked()?),
         Command::Verify(options) => {
-            let session = Session::start(&options.run, &options.case)?;
+            let session = options.case.session(&options.run)?;
             let mut file = read_case(&options.case)?;
             options.floor.apply(&mut file)?;
             let (load, cells) = (options.load.load(), options.cells);
@@ -85,7 +84,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
             )
         }
         Command::Compare(options) => {
-            let session = Session::start(&options.run, &options.case)?;
+            let session = options.case.session(&options.run)?;
             let file = read_case(&options.case)?;
             answer_of_pillars(
                 command,
@@ -98,7 +97,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
         Command::Design(options) => design(command, options),
         Command::Fit(options) => fit(command, options),
         Command::Friction(options) => {
-            let session = Session::start(&options.run, &options.case)?;
+            let session = options.case.session(&options.run)?;
             let data = commands::friction::data(options)?;
             let file = read_case(&options.case)?;
             deliver(command, &options.case, file.warnings(), || {
@@ -114,7 +113,7 @@ fn run(command: &Command) -> Result<Status, Failure> {
 
 /// Runs a design; the saved case is the one that was found.
 fn design(command: &Command, options: &arguments::Design) -> Result<Status, Failure> {
-    let session = Session::start(&options.run, &options.case)?;
+    let session = options.case.session(&options.run)?;
     let file = read_case(&options.case)?;
     if let Some(folder) = &options.case.output {
         fakir_study::results::check_folder(folder, options.case.replace())?;
@@ -136,7 +135,7 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
 /// Runs a fit, or several; the saved case is the one with the fitted values or their means.
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
-    let session = Session::start(&options.run, &case)?;
+    let session = case.session(&options.run)?;
     // The data are read before the case, and the folder is checked before the computation.
     let one = match &options.data[..] {
         [path] if !options.joint => {
@@ -165,7 +164,7 @@ fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
 
 /// Answers a question about a case of any kind.
 fn ask(command: &Command, asked: &Asked<'_>) -> Result<Status, Failure> {
-    let session = Session::start(asked.run, asked.case)?;
+    let session = asked.case.session(asked.run)?;
     let mut file = read_case(asked.case)?;
     if let Some(floor) = asked.floor {
         floor.apply(&mut file)?;

@@ -1,6 +1,5 @@
 //! Execution of a computation from a terminal: threads, memory, progress and Ctrl-C.
 
-use crate::arguments::CaseArguments;
 use crate::failure::{Failure, INTERRUPTED, report_line};
 use clap::Args;
 use fakir::state::{CancelToken, Progress, Run, Threads};
@@ -36,8 +35,8 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    pub(crate) fn start(options: &RunArguments, case: &CaseArguments) -> Result<Self, Failure> {
-        let quiet = case.quiet;
+    /// A computation whose result is saved, or only printed.
+    pub(crate) fn start(options: &RunArguments, quiet: bool, saves: bool) -> Result<Self, Failure> {
         let cancel = CancelToken::default();
         stop_on_interrupt(cancel.clone());
         let pool = match threads(options.threads, quiet) {
@@ -56,7 +55,7 @@ impl Session {
             listener: Box::new(listener(bar.clone(), watched)),
             bar,
             watched,
-            saves: case.output.is_some(),
+            saves,
         })
     }
 
