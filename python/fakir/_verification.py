@@ -49,7 +49,7 @@ class Opinion(Result):
     indentation: Difference
     """The same for the indentation."""
     contact_radius: Difference | None
-    """The same for the contact radius on the tops; None on two meshes, with discs, and where the errors leave no digit."""
+    """The same for the contact radius on the tops; None on two meshes, with discs, with adhesion, and where the errors leave no digit."""
     contact_area: Difference | None
     """The same for the contact area, on rounded tops without the floor; None on two meshes, and on flat tops without adhesion."""
     floor_share: Difference | None
