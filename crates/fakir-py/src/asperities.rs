@@ -2,10 +2,9 @@
 
 use crate::answer::Answer;
 use crate::error::{
-    PYTHON, approach_error, case_error, pillar_heights_error, solve_error, value_error,
-    warn_of_deprecations,
+    PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
 };
-use crate::load::{load, load_or_critical, path, plan};
+use crate::load::{Approached, approached, load, load_or_critical, path, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::study::{PyColumns, columns};
@@ -21,8 +20,8 @@ use fakir_inverse::heights::{Curve, WantedPoint};
 use fakir_inverse::pillar_heights::design_pillars;
 use fakir_study::record::{AsperityAnswer, AsperityCritical, GradientObject};
 use fakir_study::result::{
-    self, ApproachSummary, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings,
-    asperity_pillars, asperity_press, asperity_warnings, json,
+    self, SurfaceVerifySummary, asperity_cycle, asperity_cycle_warnings, asperity_pillars,
+    asperity_press, asperity_warnings, json,
 };
 use fakir_study::workshop::Relief;
 use numpy::PyReadonlyArray1;
@@ -328,14 +327,11 @@ pub(crate) fn approach_asperities(
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
     let case = &tops.case;
-    let (found, states) = watched(py, &options, |run| {
-        let mut states = Vec::new();
-        let mut keep = |contact, wall_time| states.push((contact, wall_time));
-        let found = fakir_study::approach::approach(case, &path, run, &|_| {}, &mut keep);
-        (found, states)
-    })?;
-    let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&ApproachSummary::new(case, &found));
+    let Approached {
+        found,
+        states,
+        summary,
+    } = approached(py, case, &path, &options)?;
     let critical = found
         .critical
         .map(|critical| AsperityTransition::made(py, case, critical, found.critical_time));

@@ -1,8 +1,8 @@
 //! Flat surfaces.
 
 use crate::answer::{Answer, warnings};
-use crate::error::{PYTHON, approach_error, case_error, solve_error, warn_of_deprecations};
-use crate::load::{load, path, plan};
+use crate::error::{PYTHON, case_error, solve_error, warn_of_deprecations};
+use crate::load::{Approached, approached, load, path, plan};
 use crate::samples::{Field, arrays};
 use crate::settings::settings;
 use crate::watched::{Options, watched};
@@ -11,7 +11,7 @@ use fakir::solve::flat::fields::FlatFields;
 use fakir::state::{FlatContact, FlatCycle};
 use fakir_case::{CaseFile, FlatCase, Key, Setting};
 use fakir_study::record::{FlatAnswer, GradientObject};
-use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, flat_press, json};
+use fakir_study::result::{self, SurfaceVerifySummary, flat_press, json};
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -192,14 +192,9 @@ pub(crate) fn approach_flat(
     options: Options,
 ) -> PyResult<(String, Vec<Py<Answer>>)> {
     let path = path(step, until, to, to_force)?;
-    let (found, states) = watched(py, &options, |run| {
-        let mut states = Vec::new();
-        let mut keep = |contact, wall_time| states.push((contact, wall_time));
-        let found = fakir_study::approach::approach(&flat.case, &path, run, &|_| {}, &mut keep);
-        (found, states)
-    })?;
-    let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&ApproachSummary::new(&flat.case, &found));
+    let Approached {
+        states, summary, ..
+    } = approached(py, &flat.case, &path, &options)?;
     let states = states
         .into_iter()
         .map(|(contact, time)| Py::new(py, flat.answer(&contact, time)));

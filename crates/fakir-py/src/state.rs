@@ -2,8 +2,8 @@
 
 use crate::answer::{Answer, warnings};
 use crate::case::Case;
-use crate::error::{approach_error, solve_error};
-use crate::load::{load, load_or_critical, path, plan};
+use crate::error::solve_error;
+use crate::load::{Approached, approached, load, load_or_critical, path, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
 use crate::study::columns;
 use crate::watched::{Options, watched};
@@ -11,7 +11,7 @@ use fakir::problem::{ElementMesh, Method, Point};
 use fakir::state::{ContactState, CriticalState, FieldSamples, Run};
 use fakir_study::record::GradientObject;
 use fakir_study::result::{
-    self, ApproachSummary, CycleSummary, VerifySummary, cycle_warnings, json, pillars, pillars_of,
+    self, CycleSummary, VerifySummary, cycle_warnings, json, pillars, pillars_of,
 };
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -196,14 +196,11 @@ pub(crate) fn approach(
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
     let problem = case.case.clone();
-    let (found, states) = watched(py, &options, |run| {
-        let mut states = Vec::new();
-        let mut keep = |state, wall_time| states.push((state, wall_time));
-        let found = fakir_study::approach::approach(&problem, &path, run, &|_| {}, &mut keep);
-        (found, states)
-    })?;
-    let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&ApproachSummary::new(&problem, &found));
+    let Approached {
+        found,
+        states,
+        summary,
+    } = approached(py, &problem, &path, &options)?;
     let time = found.critical_time;
     let critical = found.critical.map(|it| Critical::new(py, it, time));
     let states = states

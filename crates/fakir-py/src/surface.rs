@@ -2,10 +2,9 @@
 
 use crate::answer::{Answer, warnings};
 use crate::error::{
-    PYTHON, approach_error, case_error, solve_error, surface_verify_error, value_error,
-    warn_of_deprecations,
+    PYTHON, case_error, solve_error, surface_verify_error, value_error, warn_of_deprecations,
 };
-use crate::load::{load, load_or_critical, path, plan};
+use crate::load::{Approached, approached, load, load_or_critical, path, plan};
 use crate::settings::{BodySettings, by_key, settings};
 use crate::watched::{Options, watched};
 use fakir::problem::{
@@ -15,7 +14,7 @@ use fakir::problem::{
 use fakir::state::Run;
 use fakir_case::{CaseFile, SurfaceCase};
 use fakir_study::record::SurfaceAnswer;
-use fakir_study::result::{self, ApproachSummary, SurfaceVerifySummary, json};
+use fakir_study::result::{self, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -329,15 +328,11 @@ pub(crate) fn approach_surface(
     options: Options,
 ) -> PyResult<Loading> {
     let path = path(step, until, to, to_force)?;
-    let (found, states) = watched(py, &options, |run| {
-        let mut states = Vec::new();
-        let mut keep = |contact, wall_time| states.push((contact, wall_time));
-        let system = &surface.system;
-        let found = fakir_study::approach::approach(system, &path, run, &|_| {}, &mut keep);
-        (found, states)
-    })?;
-    let found = found.map_err(|error| approach_error(&error))?;
-    let summary = json(&ApproachSummary::new(&surface.system, &found));
+    let Approached {
+        found,
+        states,
+        summary,
+    } = approached(py, &surface.system, &path, &options)?;
     let critical = found
         .critical
         .map(|critical| surface.reached(py, critical, found.critical_time));
