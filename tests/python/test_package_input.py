@@ -341,7 +341,7 @@ def test_listed_pillars_as_a_file(tmp_path):
     assert fakir.System.from_file(tmp_path / "case.toml").press(force="1 uN").indentation == made.press(force="1 uN").indentation
     with pytest.raises(TypeError, match="reads listed pillars from a file"):
         fakir.sweep({"system": made, "axes": {"lens.radius": ["1 mm"]}})
-    with pytest.raises(ValueError, match="the table gives it for every pillar"):
+    with pytest.raises(fakir.errors.DesignError, match="the table gives it for every pillar"):
         fakir.spread(made, {"pattern.pillar.diameter": "5 %"}, samples=3, landing="as_given")
 
 
