@@ -130,6 +130,9 @@ class AsperityArray(Viscoelastic):
             columns.append(np.full(len(columns[0]), np.nan))
         if len(columns[0]) == 0:
             raise ValueError("there are no tops: give one at least")
+        if (columns[2] <= 0.0).any():
+            lowest = float(np.min(columns[2]))
+            raise ValueError(f"height is {lowest}: heights are above the floor, and have to be greater than 0")
         reference = (
             float(np.max(columns[2]))
             if reference_height is None
@@ -184,8 +187,9 @@ class AsperityArray(Viscoelastic):
         self._asperities = rounded
         self.indenter, self.substrate = _bodies_of(rounded)
         self.top_radius, self.reference_height = rounded.top_radius, rounded.height
-        columns = np.asarray(rounded.pillars(), dtype=np.float64).T
-        self.x, self.y, self.height, self.diameter = (np.ascontiguousarray(c) for c in columns)
+        columns = np.ascontiguousarray(np.asarray(rounded.pillars(), dtype=np.float64).T)
+        columns.setflags(write=False)
+        self.x, self.y, self.height, self.diameter = columns
 
     def to_toml(self, table: str = "pillars.csv") -> str:
         """The case as a commented file, which reads the tops from a table of that name in the same folder: see `to_csv`."""

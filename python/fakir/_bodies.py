@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import ArrayLike
 
-from ._quantity import Quantity, WithUnit, si, without_mask, without_unit
+from ._quantity import Quantity, WithUnit, si, whole, without_mask, without_unit
 
 _FORMER_OPTIONS = {"height_spread": "height_standard_deviation", "missing": "vacancy_fraction"}
 """Deprecated names of options, with the present ones."""
@@ -339,6 +339,15 @@ def substrate_of(values: Mapping[str, Any]) -> Substrate:
     return Substrate(modulus, ratio, **layer_of(values, "substrate"))
 
 
+def check_bodies(indenter: object, substrate: object, *others: type) -> None:
+    """Raises an error unless these are a lens, or an indenter of another type, and a substrate."""
+    if not isinstance(indenter, (AnyLens, *others)):
+        kinds = " or ".join(["a lens", *(f"a {other.__name__}" for other in others)])
+        raise TypeError(f"the indenter is of type {type(indenter).__name__}: give {kinds}")
+    if not isinstance(substrate, Substrate):
+        raise TypeError(f"substrate is of type {type(substrate).__name__}: give a Substrate")
+
+
 def shape_of(lens: AnyLens) -> tuple[list[tuple[str, float | None]], list[tuple[str, str]]]:
     """The numbers and words of a lens by their keys, except those of its material."""
     numbers: list[tuple[str, float | None]]
@@ -446,10 +455,11 @@ class LatticePattern:
         put("offset", si(given.get("offset", 0.0), "number", "pattern.offset"))
         put("offset_angle", si(given.get("offset_angle", 0.0), "angle", "pattern.offset_angle"))
         put("rotation", si(given.get("rotation", 0.0), "angle", "pattern.rotation"))
-        put("columns", given.get("columns"))
+        columns = given.get("columns")
+        put("columns", None if columns is None else whole(columns, "pattern.columns"))
         for name in ("height_standard_deviation", "vacancy_fraction"):
             put(name, si(given.get(name, 0.0), "fraction", f"pattern.{name}"))
-        put("seed", given.get("seed", 0))
+        put("seed", whole(given.get("seed", 0), "pattern.seed"))
         put("compliance", given.get("compliance", "column"))
 
     @property

@@ -14,7 +14,7 @@ from ._asperities import AsperityArray, AsperityContact, AsperityCycle, Asperity
 from ._cycle import Cycle
 from ._flat import FlatContact, FlatCycle, FlatSystem
 from ._format import Row, engineering
-from ._quantity import FloatArray, Quantity, si
+from ._quantity import FloatArray, Quantity, several, si
 from ._result import Result
 from ._run import Progress, options, warn_of_interactions
 from ._settings import SEED
@@ -413,7 +413,7 @@ def spread(
     samples: int | None = None,
     seed: int = SEED,
     landing: str = "anywhere",
-    force_at: Sequence[Quantity] = (),
+    force_at: Sequence[Quantity] | Quantity = (),
     threads: int = 0,
     progress: Progress | None = None,
     memory_limit: int | None = None,
@@ -443,7 +443,7 @@ def spread(
     if landing not in {"anywhere", "as_given"}:
         raise ValueError(f'landing is {landing!r}: give "anywhere" or "as_given"')
     deviations = [_tolerance(key, value) for key, value in tolerances.items()]
-    indentations = [si(value, "length", "force_at") for value in force_at]
+    indentations = [si(value, "length", "force_at") for value in several(force_at)]
     run = options(threads, progress, memory_limit)
     problem = system._problem()
     warn_of_interactions(problem, "design", depth=1)

@@ -13,7 +13,8 @@ from . import _fakir
 from ._asperities import AsperityArray
 from ._flat import FlatSystem
 from ._format import Row, engineering
-from ._quantity import FloatArray, Quantity, WithUnit, finite, without_mask
+from ._quantity import UNITS as SI_UNITS
+from ._quantity import Dimension, FloatArray, Quantity, WithUnit, finite, without_mask
 from ._result import Limit, Result
 from ._run import Progress, options, warn, warn_of_interactions
 from ._system import System
@@ -463,6 +464,8 @@ def prepared(
     raw = _data(measurements, dict(columns or {}), _of_unit(spring_constant, "N/m", "spring_constant"))
     dimension = raw.load_dimension()
     ends = [None if end is None else finite(end, dimension, "between") for end in between or (None, None)]
+    if rows is not None and any(row is not None and row < 1 for row in rows):
+        raise ValueError(f"rows is {rows}: rows are counted from 1")
     raw = raw.select(list(rows or (None, None)), cycle, branch, ends)
     data = raw.with_errors(*errors)
     compliance = _of_unit(machine_compliance, "m/N", "machine_compliance")
@@ -574,16 +577,33 @@ def _of_afmformats(curve: Any) -> list[tuple[str, Any]]:
     return items
 
 
+def _measured(values: WithUnit, name: str) -> tuple[Dimension, Any]:
+    """What a quantity of pint measures, by its unit, and its values in SI units."""
+    dimensions: tuple[Dimension, ...] = ("length", "force", "time")
+    for dimension in dimensions:
+        try:
+            return dimension, values.to(SI_UNITS[dimension]).magnitude
+        except Exception:  # pint's errors have no class in common with those of similar libraries
+            continue
+    raise ValueError(f"{name} is in {getattr(values, 'units', 'another unit')}: give a quantity in m, N or s")
+
+
+def _without_unit_in(name: str, dimension: Dimension) -> str:
+    """The name of a column without the unit at its end: the quantity has its own."""
+    start, _, end = name.rpartition("_")
+    try:
+        _fakir.parse_quantity(f"1 {end}", dimension)
+    except ValueError:
+        return name
+    return start or name
+
+
 def _column(name: str, values: Any) -> tuple[str, FloatArray | None]:
     """Heading and values, with NaN for missing measurements. The values are None for a column that is not numeric, which cannot
     be used."""
     if isinstance(values, WithUnit):
-        unit = "s" if name.startswith("time") else "N" if "force" in name else "m"
-        try:
-            values = values.to(unit).magnitude
-        except Exception as error:
-            raise ValueError(f"{name}: {error}; give a quantity in {unit}") from error
-        name = name.removesuffix(f"_{unit}") + f"_{unit}"
+        dimension, values = _measured(values, name)
+        name = f"{_without_unit_in(name, dimension)}_{SI_UNITS[dimension]}"
     found = without_mask(values) if name != "branch" else np.asarray(values)
     if name == "branch":
         branches = np.asarray(found, dtype=object)

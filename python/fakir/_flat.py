@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _fakir
-from ._bodies import AnyLens, Substrate, lens_of, shape_of, substrate_of
+from ._bodies import AnyLens, Substrate, check_bodies, lens_of, shape_of, substrate_of
 from ._cycle import Adhesion, Drive, cycle_rows, load_step_table, plan_with_end
 from ._format import Row, Shown, engineering
 from ._gradient import Gradient
@@ -68,8 +68,7 @@ class FlatSystem(Viscoelastic, Shown):
         *,
         adhesion: Adhesion | Quantity | None = None,
     ) -> None:
-        if not isinstance(substrate, Substrate):
-            raise TypeError(f"substrate is of type {type(substrate).__name__}: give a Substrate")
+        check_bodies(lens, substrate)
         numbers, words = shape_of(lens)
         numbers = [
             *numbers,

@@ -75,6 +75,10 @@ class Gradient(Result, Generic[C]):
         """Derivatives of the contact area, m^2; None if the contact edge crosses a pillar."""
         return self._by_key("contact_area_m2")
 
+    def to_dict(self) -> dict[str, Any]:
+        """The object that the command prints with ``--json`` and ``--gradient``: that of the contact, with ``gradient``."""
+        return {**self._state.to_dict(), "gradient": super().to_dict()}
+
     def _by_key(self, name: str) -> dict[str, float] | None:
         derivatives: dict[str, float] | None = copy.deepcopy(self._summary[name])
         return derivatives

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from . import _fakir
 from ._format import Row, Shown, engineering
 from ._numbers import HistoryNumbers
-from ._quantity import FloatArray, Quantity, array, finite
+from ._quantity import FloatArray, Quantity, array, finite, several
 from ._run import Progress, options, warn
 
 if TYPE_CHECKING:
@@ -42,9 +42,9 @@ class Relaxation(Shown):
     times: list[float]
     """Relaxation times, s."""
 
-    def __init__(self, strengths: Sequence[float], times: Sequence[Quantity]) -> None:
-        self.strengths = [finite(value, "number", "strengths") for value in strengths]
-        self.times = [finite(value, "time", "times") for value in times]
+    def __init__(self, strengths: Sequence[float] | float, times: Sequence[Quantity] | Quantity) -> None:
+        self.strengths = [finite(value, "number", "strengths") for value in several(strengths)]
+        self.times = [finite(value, "time", "times") for value in several(times)]
         if len(self.strengths) != len(self.times):
             raise ValueError(
                 f"{len(self.strengths)} strengths and {len(self.times)} times: every term needs both"
@@ -181,7 +181,10 @@ class Viscoelastic:
         progress: Progress | None = None,
         memory_limit: int | None = None,
     ) -> History:
-        """Computes the contact under a force (N) or an indentation (m) that is given at times (s) and linear between them."""
+        """Computes the contact under a force (N) or an indentation (m) that is given at times (s) and linear between them.
+
+        Times of the result count from the first one, at which the first load is reached at once.
+        """
         if (force is None) == (indentation is None):
             raise TypeError("give either force or indentation over time")
         is_force = force is not None

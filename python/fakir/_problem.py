@@ -67,6 +67,8 @@ def problem(
     >>> round(1e6 * flat.press(indentation="0.1 um").force, 1)
     2.6
     """
+    if isinstance(surface, type):
+        raise TypeError(f"surface is the class {surface.__name__}: give one of its objects, as {surface.__name__}(...)")
     if top_radius is not None:
         if not isinstance(surface, Pillars):
             raise TypeError(f"top_radius is that of Pillars, not of {type(surface).__name__}")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import numbers
-from typing import Any, Literal, Protocol, TypeAlias, Union, runtime_checkable
+from collections.abc import Sequence
+from typing import Any, Literal, Protocol, TypeAlias, Union, cast, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -74,6 +75,26 @@ def finite(value: Quantity, dimension: Dimension, name: str) -> float:
     if not math.isfinite(number):
         raise ValueError(f"{name} is {number}: it must be a finite number")
     return number
+
+
+def whole(value: Any, name: str) -> int:
+    """A number without a fraction that a float holds exactly."""
+    numeric = (int, float, np.integer, np.floating)
+    if isinstance(value, bool) or not isinstance(value, numeric) or value % 1 != 0:
+        raise TypeError(f"{name} is {value!r}: give a whole number")
+    found = int(value)
+    if abs(found) > 2**53:
+        raise ValueError(f"{name} is {found}: it can be 2^53 at most")
+    return found
+
+
+def several(values: Sequence[Quantity] | Quantity) -> list[Quantity]:
+    """The quantities of a list, or a single one: a text is one quantity, not its letters."""
+    if isinstance(values, (str, numbers.Real)) or getattr(values, "ndim", None) == 0:
+        return [cast(Quantity, values)]
+    if isinstance(values, WithUnit) and np.ndim(values.magnitude) == 0:
+        return [values]
+    return list(cast("Sequence[Quantity]", values))
 
 
 def array(values: object, dimension: Dimension, name: str) -> FloatArray:

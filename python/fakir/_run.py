@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from . import _fakir
+from ._quantity import whole
 from .errors import FakirWarning
 
 Progress: TypeAlias = Callable[[str, int, int, int], object]
@@ -21,19 +22,19 @@ def options(
 ) -> _fakir.Options:
     """Validated options for the extension module; ``arguments`` are those of ``progress``."""
     warn_of_threads(threads, depth=3)
-    if memory_limit is not None and memory_limit <= 0:
-        raise ValueError(f"memory_limit is {memory_limit}: give a number of bytes")
+    limit = None if memory_limit is None else whole(memory_limit, "memory_limit (bytes)")
+    if limit is not None and limit <= 0:
+        raise ValueError(f"memory_limit is {limit}: give a number of bytes")
     if progress is not None and not callable(progress):
         raise TypeError(
             f"progress must be a function of ({arguments}), not {type(progress).__name__}"
         )
-    limit = None if memory_limit is None else int(memory_limit)
-    return {"threads": threads, "memory_limit": limit, "progress": progress}
+    return {"threads": int(threads), "memory_limit": limit, "progress": progress}
 
 
 def warn_of_threads(threads: int, depth: int = 2) -> None:
     """Raises an error for invalid numbers of threads, and warns if there are more than processors."""
-    if threads < 0:
+    if whole(threads, "threads") < 0:
         raise ValueError(f"threads is {threads}: give 1 or more, or 0 for all processors")
     warning = _fakir.threads_warning(threads)
     if warning is not None:

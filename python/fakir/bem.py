@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _fakir
-from ._bodies import AnyLens, Lens, Substrate, layer_numbers, layer_options, lens_of, shape_of
+from ._bodies import AnyLens, Lens, Substrate, check_bodies, layer_numbers, layer_options, lens_of, shape_of
 from ._cycle import Adhesion, checked_plan, cycle_rows, load_step_table
 from ._format import Row, engineering, remark
 from ._history import Viscoelastic
@@ -74,12 +74,11 @@ def indenter_settings(
     indenter: AnyLens | Plate, substrate: Substrate
 ) -> tuple[tuple[list[tuple[str, float]], list[tuple[str, str]]] | None, list[float] | None]:
     """The numbers and words of a lens and the substrate by their keys, or the numbers of a plate."""
+    check_bodies(indenter, substrate, Plate)
     if isinstance(indenter, Plate):
         if indenter.young_modulus is None or indenter.poisson_ratio is None:
             return None, None
         return None, [indenter.young_modulus, indenter.poisson_ratio]
-    if not isinstance(indenter, AnyLens):
-        raise TypeError(f"indenter is of type {type(indenter).__name__}: give a lens or a Plate")
     numbers, words = shape_of(indenter)
     known = [(key, float(number)) for key, number in numbers if number is not None]
     known += [

@@ -39,10 +39,11 @@ pub(crate) fn keys_of(unsupported: &Unsupported) -> impl Iterator<Item = Key> {
 /// The keys by which a case has a feature.
 fn keys_with(feature: Feature) -> &'static [Key] {
     match feature {
-        Feature::Lens(_) => &[Key::LensShape],
+        Feature::Lens(_) => &[Key::LensShape, Key::LensProfile],
         Feature::TiltedPlate => &[Key::LensTilt],
         Feature::OtherArrangement => &[
             Key::Lattice,
+            Key::Pillars,
             Key::Rotation,
             Key::Columns,
             Key::HeightStandardDeviation,

@@ -137,7 +137,7 @@ pub(crate) enum Command {
     ///
     /// A force or an indentation is reached at once, or in the time --ramp, held --for a time, and with --back taken back. Or --protocol is
     /// a table of ramps: a column time_s, and one of displacement_m, indentation_m or force_N, also in other units (time_min,
-    /// displacement_um). young_modulus is the relaxed modulus of all bodies. While the contact grows, the result is a superposition of
+    /// displacement_um), with times counted from its first row. young_modulus is the relaxed modulus of all bodies. While the contact grows, the result is a superposition of
     /// elastic contacts, which is exact; from the first receding on, it is computed in time steps with an estimated error.
     ///
     /// time_to_floor_contact_s of the JSON is the time at which the lens reaches the floor, also after the end if the last load is held, and
@@ -157,8 +157,8 @@ pub(crate) enum Command {
     /// floor, and the floor forces are compared too. Exit status 1: the results differ by more than the error estimates, or the comparison
     /// is inconclusive because a method did not converge or its result has no significant digit. Of the case's [method] only the mesh of
     /// the elements is used. On a general surface (a case with a [surface]) only elements are available: pillars on a lattice are solved on
-    /// both meshes; height maps, which have a single mesh, and random pillars are refused. Elements do not support adhesion: a case with
-    /// [adhesion] is refused, and can be verified without it.
+    /// both meshes; height maps, which have a single mesh, and random pillars are refused. Both methods contain the adhesion of a case
+    /// with [adhesion].
     #[command(after_help = "Example: fakir verify case.toml --cells 32")]
     Verify(Verify),
     /// Evaluate closed forms: lattice sums, critical state and transition curve

@@ -122,6 +122,13 @@ impl From<FrictionError> for Failure {
         match error {
             FrictionError::Case(error) => error.into(),
             FrictionError::Data(error) => error.into(),
+            FrictionError::Answer {
+                line,
+                error: AnswerError::Solve(error),
+            } if !matches!(error, SolveError::Unsupported(_)) => Self::Fit(FitError::OfCurve {
+                name: format!("line {line}"),
+                error: Box::new(FitError::Solve(error)),
+            }),
             FrictionError::Answer { error, .. } => error.into(),
             FrictionError::Interrupted => SolveError::Interrupted.into(),
             other => Self::Argument(other.to_string()),

@@ -50,13 +50,28 @@ fn of_theory(case: &Case) -> PyResult<&System> {
     Ok(system)
 }
 
-/// The system of a case, if its lens is a sphere.
+/// The system of a case, if its bodies are a sphere and half-spaces.
 fn of_sphere(case: &Case) -> PyResult<&System> {
     let system = &case.case.system;
-    match system.lens().sphere() {
-        Some(_) => Ok(system),
-        None => Err(value_error(Unsupported::BUT_FOR_A_SPHERE)),
+    if system.lens().sphere().is_none() {
+        return Err(value_error(Unsupported::BUT_FOR_A_SPHERE));
     }
+    if system.has_layers() {
+        return Err(value_error(
+            "this formula is valid only for half-spaces: leave out the thicknesses",
+        ));
+    }
+    Ok(system)
+}
+
+/// A force or a radius, unless it is negative or not a number.
+fn not_negative(name: &str, value: f64) -> PyResult<f64> {
+    if value >= 0.0 {
+        return Ok(value);
+    }
+    Err(value_error(format!(
+        "{name} is {value}: give a number that is not negative"
+    )))
 }
 
 /// The critical state by one formula, regardless of its range.
@@ -110,12 +125,14 @@ pub(crate) fn homogenised(case: &Case) -> PyResult<(f64, f64, f64)> {
 /// The transition curve: force (N) at a contact radius (m).
 #[pyfunction]
 pub(crate) fn transition_force(case: &Case, contact_radius: f64) -> PyResult<f64> {
-    Ok(forms::transition_force(of_sphere(case)?, contact_radius))
+    let radius = not_negative("contact_radius", contact_radius)?;
+    Ok(forms::transition_force(of_theory(case)?, radius))
 }
 
 /// Contact radius (m) of a lens on a smooth half-space under a force (N).
 #[pyfunction]
 pub(crate) fn hertz_contact_radius(case: &Case, force: f64) -> PyResult<f64> {
+    let force = not_negative("force", force)?;
     Ok(forms::hertz_contact_radius(of_sphere(case)?, force))
 }
 
@@ -126,7 +143,9 @@ pub(crate) fn phase(
     force: f64,
     contact_radius: f64,
 ) -> PyResult<(&'static str, bool)> {
-    let phase = forms::phase(of_sphere(case)?, force, contact_radius);
+    let force = not_negative("force", force)?;
+    let radius = not_negative("contact_radius", contact_radius)?;
+    let phase = forms::phase(of_theory(case)?, force, radius);
     let region = match phase.region {
         Region::Top => "top",
         Region::Mixed => "mixed",

@@ -10,7 +10,7 @@ use crate::entries::{
 use crate::error::{CaseError, Place, Source};
 use crate::file::{CaseFile, Measured, not_utf8, quantity};
 use crate::input::{self, LARGEST_STUDY};
-use crate::key::{Key, is_table, join, names_in, nearest, present};
+use crate::key::{Key, Kind, is_table, join, names_in, nearest, present};
 use crate::parts::Words;
 use crate::unit::{Dimension, format_quantity, with_article};
 use fakir::problem::LoadingMode;
@@ -490,7 +490,14 @@ impl Reader<'_> {
             None => Values::Words(
                 entries
                     .iter()
-                    .map(|entry| text(path, entry))
+                    .map(|entry| match (variable, &entry.value) {
+                        (Variable::Key(key), Value::List(items))
+                            if matches!(key.kind(), Kind::List(_)) =>
+                        {
+                            list_in_words(path, entry, items)
+                        }
+                        _ => text(path, entry),
+                    })
                     .collect::<Result<_, _>>()?,
             ),
         };
@@ -613,6 +620,24 @@ fn refuse_duplicates(varied: &[Varied]) -> Result<(), CaseError> {
             .accepted("give only one of them"));
     }
     Ok(())
+}
+
+/// The values of a key that takes a list, as on the command line: `10 s, 30 s`.
+fn list_in_words(path: &str, entry: &Entry, items: &[Value]) -> Result<String, CaseError> {
+    let words = items.iter().map(|item| match item {
+        Value::Text(text) => Ok(text.clone()),
+        Value::Number(number) => Ok(number.to_string()),
+        other => Err(CaseError::at(
+            &entry.place,
+            format!(
+                "expected a list of values, found {} in it",
+                kind_name(other)
+            ),
+        )
+        .key(path)
+        .accepted("give a list for every case, as [[1.0], [0.5, 0.5]]")),
+    });
+    Ok(words.collect::<Result<Vec<_>, _>>()?.join(", "))
 }
 
 fn text(path: &str, entry: &Entry) -> Result<String, CaseError> {

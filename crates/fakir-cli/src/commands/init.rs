@@ -27,7 +27,12 @@ pub(crate) fn run(options: &Init) -> Result<Status, Failure> {
     };
     save_file(&options.file, text.as_bytes(), replace).map_err(explained)?;
     let file = options.file.display();
-    report_line(&format!("wrote {file}; next: fakir transition {file}"));
+    // A name with a blank is two arguments without quotation marks.
+    let argument = match file.to_string() {
+        name if name.contains(char::is_whitespace) => format!("\"{name}\""),
+        name => name,
+    };
+    report_line(&format!("wrote {file}; next: fakir transition {argument}"));
     Ok(DONE)
 }
 

@@ -13,7 +13,7 @@
 //! A stress is not determined if it has no area in any row, or if both areas are proportional to each other in all rows.
 
 use super::column::{Column, DataError};
-use super::layout::{Hints, Layout};
+use super::layout::{Hints, Layout, SkipReason};
 use super::least_squares::Linear;
 use super::measurements::Measured;
 use super::misfit::chi_square_above;
@@ -23,15 +23,19 @@ use fakir::problem::{Area, Load};
 use fakir::state::SolveError;
 use fakir_case::input::LARGEST_TABLE;
 use fakir_case::table_text::read_table;
-use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::unit::Dimension;
 use fakir_case::{CaseError, CaseFile, Key, SurfaceKind};
 use fakir_study::answer::{AnswerError, Details, Request, Running, answer};
+use fakir_study::numbers::with_unit;
 use fakir_study::{Column as TableColumn, Table, VERSION, Values};
 use serde_json::{Value, json};
 use std::path::Path;
 
 /// Number of loads of the curve of the model.
 const CURVE: usize = 16;
+
+/// Digits of a shear stress in a statement.
+const DIGITS: usize = 4;
 
 /// Shear stress (Pa) of the cases that are solved for their areas, if they have none.
 const SOME_STRESS: f64 = 1.0;
@@ -172,7 +176,7 @@ impl LateralForces {
             layout.notes.push(note.to_owned());
         }
         let has_errors = has(Column::LateralForceError);
-        let mut found = Vec::new();
+        let (mut found, mut incomplete) = (Vec::new(), Vec::new());
         for (line, cells) in rows {
             let value = |column| {
                 let cell = cells.iter().find(|(own, _)| *own == column);
@@ -190,6 +194,7 @@ impl LateralForces {
             let load = force.map(Load::Force);
             let load = load.or_else(|| indentation.map(Load::Indentation));
             let (Some(load), Some(lateral)) = (load, value(Column::LateralForce)) else {
+                incomplete.push(*line);
                 continue;
             };
             if matches!(load, Load::Force(force) if force < 0.0) {
@@ -211,6 +216,7 @@ impl LateralForces {
                 },
             });
         }
+        layout.skip(SkipReason::NotMeasured, incomplete);
         if found.is_empty() {
             let problem = "no row with a lateral force and a normal load";
             return Err(reader.fail(None, None, problem));
@@ -703,7 +709,7 @@ fn statements(
         ),
     }
     for stress in stresses {
-        let value = |value| format_quantity(value, Dimension::Pressure);
+        let value = |value| with_unit(value, Dimension::Pressure, DIGITS);
         match stress.interval {
             Some([_, high]) if high < 0.0 => statements.push(format!(
                 "{} is negative, {}: the data contradict the model",

@@ -184,7 +184,13 @@ pub(super) fn quantity_of(name: &str) -> Option<Column> {
         strong.retain(|(_, word)| *word != "crosshead");
     }
     let named = if strong.is_empty() { &weak } else { &strong };
-    let (first, _) = *named.first()?;
+    // Friction alone is a force; of the other words for it, none is.
+    let is_friction = words.iter().any(|word| word == "friction");
+    let first = match named.first() {
+        Some((column, _)) => *column,
+        None if is_friction => Column::Force,
+        None => return None,
+    };
     if named.iter().any(|(column, _)| *column != first) {
         return None;
     }
@@ -371,6 +377,7 @@ mod tests {
             ("Time (s)", "time", "s"),
             ("Normal Force (raw) [mN]", "force", "mN"),
             ("Friction force [mN]", "lateral_force", "mN"),
+            ("friction_uN", "lateral_force", "uN"),
             ("lateral_force_uN", "lateral_force", "uN"),
             ("Lateral force error (mN)", "lateral_force_error", "mN"),
             ("Tangential displacement (um)", "", ""),

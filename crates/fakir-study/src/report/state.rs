@@ -278,6 +278,7 @@ fn limit_words(name: &'static str) -> &'static str {
         "contact_on_top" => "contact over radius of a top",
         "contact_radius_over_lens_radius" => "contact over lens radius",
         "contact_radius_over_lens_thickness" => "contact over lens thickness",
+        "lens_table_error_over_indentation" => "error of the table of the lens over indentation",
         "lens_thickness_over_radius" => "lens thickness over radius",
         "indentation_over_thickness" => "indentation over thickness",
         "thickness_over_diameter" => "thickness over diameter",

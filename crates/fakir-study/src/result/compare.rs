@@ -106,10 +106,10 @@ impl MethodRow {
         }
     }
 
-    /// A method that does not apply is not a failure of the comparison.
+    /// A method that does not support the case is not a failure of the comparison; one that fails for another reason is.
     pub(crate) fn refused(method: &'static str, name: &'static str, error: &SolveError) -> Self {
         Self {
-            converged: true,
+            converged: matches!(error, SolveError::Unsupported(_)),
             remark: Some(error.to_string()),
             ..Self::empty(method, name)
         }

@@ -410,7 +410,7 @@ fn a_cancelled_sweep_continues_from_its_journal() {
 fn holds_over_times_are_those_of_single_histories() {
     let text = "[study]\nquestion = \"hold\"\nindentation = \"1 um\"\n\
                 [axes]\nramp_time = [\"0 s\", \"10 s\"]\nhold_time = [\"5 s\", \"1 min\"]\n\
-                \"relaxation.times\" = [\"10 s\", \"30 s\"]\n\
+                \"relaxation.times\" = [[\"10 s\"], \"30 s\"]\n\
                 [relaxation]\nstrengths = [1.0]\n";
     let study = study(text);
     let again = StudyFile::parse("again.toml", study.to_toml()).unwrap();

@@ -312,6 +312,17 @@ const fn rule(
     line(asked, of, Unsupported { why, instead, with })
 }
 
+/// The same reason, where closed forms are asked for: the methods compute what they estimate.
+const fn computed(reason: Unsupported) -> Unsupported {
+    Unsupported {
+        instead: "use `transition` and `press`, which compute what the closed forms estimate",
+        ..reason
+    }
+}
+
+/// Why there is no critical state under some lenses.
+const WITHOUT_TRANSITION: &str = "a cylinder or a plate has no transition: it is closest to the floor outside the pillars; nor has a punch, which is as close everywhere";
+
 const ANY: &[Question] = &[];
 const ON_PILLARS: &[Solver] = &[
     Solver::Spectral,
@@ -403,11 +414,18 @@ static RULES: &[Rule] = &[
         "use the spectral method, or leave out the works of adhesion",
     ),
     meaningless(rule(
-        &[Question::Transition, Question::Compare, Question::Spread],
+        &[Question::Transition],
         ON_PILLARS,
         &[WITHOUT_AXIS],
-        "a cylinder or a plate has no transition: it is closest to the floor outside the pillars; nor has a punch, which is as close everywhere",
+        WITHOUT_TRANSITION,
         "prescribe an indentation or a force",
+    )),
+    meaningless(rule(
+        &[Question::Compare, Question::Spread],
+        ON_PILLARS,
+        &[WITHOUT_AXIS],
+        WITHOUT_TRANSITION,
+        "use another lens, or `press`, which computes the contact under a load",
     )),
     rule(
         &[Question::FloorShare, Question::VerifyFloor],
@@ -419,7 +437,7 @@ static RULES: &[Rule] = &[
     meaningless(line(
         &[Question::Theory],
         ON_PILLARS,
-        Unsupported::BUT_FOR_A_SPHERE,
+        computed(Unsupported::BUT_FOR_A_SPHERE),
     )),
     line(
         ANY,
@@ -429,14 +447,14 @@ static RULES: &[Rule] = &[
     meaningless(line(
         &[Question::Theory],
         ON_PILLARS,
-        Unsupported::BUT_FOR_THE_LATTICE,
+        computed(Unsupported::BUT_FOR_THE_LATTICE),
     )),
     meaningless(rule(
         &[Question::Theory],
         ON_PILLARS,
         &[LAYER],
         "the closed forms are valid only for half-spaces",
-        "use the spectral method, or leave out the thicknesses",
+        "leave out the thicknesses, or use `transition` and `press`, which compute what the closed forms estimate",
     )),
     line(
         ANY,

@@ -172,6 +172,33 @@ impl LensProfile {
         height
     }
 
+    /// An estimate of how far the interpolant is from the lens between the rows up to a distance from the axis, m: half the largest difference of the
+    /// interpolant of every second row from the rows between. At a kink, such as the tip of a cone, the error is proportional to the spacing of the rows,
+    /// where this is its size; on a smooth lens it is an upper bound. `None` with too few rows.
+    #[must_use]
+    pub fn interpolation_error(&self, distance: f64) -> Option<f64> {
+        let every_second =
+            |values: &[f64]| -> Vec<f64> { values.iter().step_by(2).copied().collect() };
+        let (radii, heights) = (every_second(&self.radii), every_second(&self.heights));
+        if radii.len() < FEWEST_ROWS {
+            return None;
+        }
+        let coarse = Self {
+            slopes: slopes(&radii, &heights),
+            radii,
+            heights,
+        };
+        let between = self.radii.iter().zip(&self.heights).skip(1).step_by(2);
+        // The first row counts for every distance: the contact is at the axis.
+        let inside = between
+            .enumerate()
+            .filter(|(row, (radius, _))| *row == 0 || **radius <= distance)
+            .map(|(_, row)| row);
+        let covered = inside.filter(|(radius, _)| **radius <= coarse.range());
+        let differences = covered.map(|(radius, height)| (coarse.height(*radius) - height).abs());
+        Some(0.5 * differences.fold(0.0, f64::max))
+    }
+
     /// The radius of curvature on the axis, m.
     #[must_use]
     pub fn apex_radius(&self) -> f64 {
@@ -343,6 +370,33 @@ fn slopes(radii: &[f64], heights: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The error of a cone and of a sphere between their rows, against the interpolant itself.
+    #[test]
+    fn the_interpolation_error_covers_what_is_between_the_rows() {
+        let radii: Vec<f64> = (0..12).map(|k| 50e-6 * f64::from(k)).collect();
+        let largest = |profile: &LensProfile, function: &dyn Fn(f64) -> f64| {
+            let places = (0..=400).map(|k| 1e-6 * f64::from(k));
+            let errors = places.map(|r| (profile.height(r) - function(r)).abs());
+            errors.fold(0.0, f64::max)
+        };
+        let cone = |r: f64| 0.05 * r;
+        let sphere = |r: f64| 2e-3 - (4e-6 - r * r).sqrt();
+        let (pointed, round) = (of(cone, &radii), of(sphere, &radii));
+        let estimate = pointed.interpolation_error(400e-6).unwrap();
+        let error = largest(&pointed, &cone);
+        assert!(
+            estimate > error && estimate < 3.0 * error,
+            "{estimate:e} {error:e}"
+        );
+        let estimate = round.interpolation_error(400e-6).unwrap();
+        let error = largest(&round, &sphere);
+        assert!(
+            estimate > error && estimate < 1e-3 * sphere(400e-6),
+            "{estimate:e} {error:e}"
+        );
+        assert_eq!(of(cone, &radii[..6]).interpolation_error(1e-4), None);
+    }
 
     fn of(function: impl Fn(f64) -> f64, radii: &[f64]) -> LensProfile {
         let heights = radii.iter().map(|r| function(*r)).collect();

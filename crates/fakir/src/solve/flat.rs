@@ -776,7 +776,16 @@ impl<'a, 'b> Path<'a, 'b> {
                 let radius = radius.ok_or(SolveError::NotFinite {
                     what: "jump into contact",
                 })?;
-                bench.at(radius, work)
+                let met = bench.at(radius, work);
+                // What is constant in the jump is exactly 0.
+                match driver {
+                    Driver::Force => Settled { force: 0.0, ..met },
+                    Driver::Indentation => Settled {
+                        indentation: 0.0,
+                        ..met
+                    },
+                    Driver::Machine(_) => met,
+                }
             }
         };
         let (by, target) = match plan.turn {

@@ -50,6 +50,8 @@ impl ContactState {
     ///
     /// * `kendall_strain`, `tabor_number`: for adhesive tops ([kendall_strain](crate::problem::System::kendall_strain), [tabor_number](crate::problem::System::tabor_number)).
     /// * `slope`: of the lens at the edge of the contact; `contact_radius_over_lens_radius`.
+    /// * `lens_table_error_over_indentation`, for a lens given by a table
+    ///   ([`interpolation_error`](crate::problem::LensProfile::interpolation_error)), on every kind of surface.
     /// * `pillar_stress`: mean stress on the top of the pillar with the largest stress, divided by Young's modulus of the substrate.
     /// * `buckling`: force on a pillar divided by `pi^2 E_s I/h^2` with `I = pi d^4/64`, the buckling force of a pillar that is clamped at
     ///   its foot, with a top that can move sideways but not rotate (S. P. Timoshenko, J. M. Gere, Theory of Elastic Stability, sec. 2.1).
@@ -79,6 +81,7 @@ impl ContactState {
             let name = "contact_radius_over_lens_radius";
             limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
         }
+        limits.extend(of_table(system.lens(), farthest, self.indentation));
         let modulus = system.substrate().young_modulus;
         let hardest = |of: &dyn Fn(&PillarState) -> f64| {
             let each = self.pillars.iter().map(of);
@@ -208,6 +211,13 @@ fn of_layers(
     limits
 }
 
+/// How well the rows of a table describe the lens in a contact that reaches this far from the axis (m), at an indentation (m).
+fn of_table(lens: &ShapedLens, reach: f64, indentation: f64) -> Option<Limit> {
+    let error = lens.profile()?.interpolation_error(reach)?;
+    let name = "lens_table_error_over_indentation";
+    (indentation > 0.0).then(|| Limit::at_most(name, error / indentation, SMALL))
+}
+
 impl AsperityContact {
     /// The validity limits of the model, and the corresponding values in this contact with an array. `range` is that of the attraction (m), if
     /// it is known.
@@ -238,6 +248,7 @@ impl AsperityContact {
                 let name = "contact_radius_over_lens_radius";
                 limits.push(Limit::at_most(name, farthest / radius, DOUBTFUL_CONTACT));
             }
+            limits.extend(of_table(lens, farthest, self.indentation));
         }
         let modulus = array.substrate().young_modulus;
         let touched = || pairs().filter(|(_, state)| state.radius > 0.0);
@@ -300,6 +311,7 @@ impl SurfaceContact {
                 let name = "contact_radius_over_lens_radius";
                 limits.push(Limit::at_most(name, reach / radius, DOUBTFUL_CONTACT));
             }
+            limits.extend(of_table(lens, reach, self.indentation));
         }
         let sphere = lens
             .and_then(ShapedLens::sphere)
@@ -452,6 +464,11 @@ impl FlatContact {
             let name = "contact_radius_over_lens_radius";
             limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
         }
+        limits.extend(of_table(
+            system.lens(),
+            self.contact_radius,
+            self.indentation,
+        ));
         let stress = self.mean_pressure().abs() / system.substrate().young_modulus;
         limits.push(Limit::at_most("contact_stress", stress, LARGEST_STRAIN));
         if let (Some(range), false) = (range, system.adhesion().is_none()) {
