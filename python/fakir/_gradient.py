@@ -76,7 +76,8 @@ class Gradient(Result, Generic[C]):
         return self._by_key("contact_area_m2")
 
     def to_dict(self) -> dict[str, Any]:
-        """The object that the command prints with ``--json`` and ``--gradient``: that of the contact, with ``gradient``."""
+        """The object that ``fakir press --gradient --json`` prints: that of the contact, with ``gradient``. Without a load it is the
+        contact of the critical state."""
         return {**self._state.to_dict(), "gradient": super().to_dict()}
 
     def _by_key(self, name: str) -> dict[str, float] | None:

@@ -3,6 +3,7 @@
 from math import pi
 
 import numpy as np
+import pint
 import pytest
 from conftest import EXAMPLES
 
@@ -39,6 +40,20 @@ def test_pillars_have_both_areas_and_the_sum_of_their_errors():
     error = parts[0] * friction.error.tops_contact_area + parts[1] * friction.error.floor_contact_area
     assert friction.error.lateral_force == pytest.approx(error / sum(parts), rel=1e-12)
     assert contact.to_dict()["friction"]["lateral_force_N"] == friction.lateral_force
+
+
+def test_columns_are_what_their_units_say():
+    units = pint.UnitRegistry()
+    rubber = {"young_modulus": 2e6, "poisson_ratio": 0.5}
+    system = fakir.FlatSystem(fakir.Lens(2e-3, **rubber), fakir.Substrate(**rubber))
+    plain = {"force_N": [1e-3, 2e-3, 4e-3], "lateral_force_N": [1e-3, 1.6e-3, 2.5e-3]}
+    given = {"load": [1.0, 2.0, 4.0] * units.mN, "friction": [1.0, 1.6, 2.5] * units.mN}
+    fits = [fakir.fit_friction(data, system).tops.value for data in (plain, given)]
+    assert fits[0] == pytest.approx(fits[1], rel=1e-12)
+    in_um = {"indentation_um": [1.0, 2.0, 3.0] * units.um, "load": [0.1, 0.3, 0.5] * units.mN}
+    assert fakir.fit(in_um, system, ["substrate.young_modulus"]).to_dict()["rows"] == 3
+    with pytest.raises(ValueError, match="load is in volt: give a quantity in m, N or s"):
+        fakir.fit({**in_um, "load": [1.0, 2.0, 3.0] * units.V}, system, ["substrate.young_modulus"])
 
 
 def test_a_fit_of_arrays_finds_both_stresses():

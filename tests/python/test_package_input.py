@@ -349,3 +349,50 @@ def test_yes_and_no_are_not_words():
     relaxation = fakir.Relaxation([1.0], ["10 s"])
     with pytest.raises(TypeError, match="give True or False"):
         system().hold(force="20 uN", duration="1 s", back="no", relaxation=relaxation)
+
+
+def test_closed_forms_are_refused_where_they_are_not_valid():
+    theory, lens, substrate = fakir.theory, fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    square = fakir.System(lens, substrate, fakir.SquarePattern(6e-6, 2.2e-6, pitch=5e-5))
+    with pytest.raises(ValueError, match="infinite hexagonal lattice"):
+        theory.transition_force(square, 1e-4)
+    with pytest.raises(ValueError, match="infinite hexagonal lattice"):
+        theory.phase(square, 1e-5, 1e-5)
+    # Hertz's contact is with a smooth surface.
+    smooth = (0.75 * 1e-3 * 2.2e-3 / (4e6 / 3)) ** (1 / 3)
+    assert theory.hertz_contact_radius(square, 1e-3) == pytest.approx(smooth, rel=1e-12)
+    film = system().replace({"substrate.thickness": "50 um"})
+    with pytest.raises(ValueError, match="half-spaces"):
+        theory.hertz_contact_radius(film, 1e-3)
+    with pytest.raises(ValueError, match="force is -0.001: give a number that is not negative"):
+        theory.hertz_contact_radius(system(), -1e-3)
+    with pytest.raises(ValueError, match="contact_radius is -0.000001"):
+        theory.phase(system(), 1e-3, -1e-6)
+
+
+def test_single_values_and_whole_numbers():
+    assert fakir.Relaxation(1.0, "10 s").times == [10.0]
+    assert fakir.Relaxation([1.0, 0.5], [1.0, 10.0] * UNITS.s).times == [1.0, 10.0]
+    with pytest.raises(TypeError, match="memory_limit .* is '8 GB': give a whole number"):
+        system().press(force="1 uN", memory_limit="8 GB")
+    with pytest.raises(TypeError, match="threads is '2': give a whole number"):
+        system().press(force="1 uN", threads="2")
+    with pytest.raises(TypeError, match="pattern.columns is True: give a whole number"):
+        fakir.HexagonalPattern(6e-6, 2.2e-6, pitch=5e-5, columns=True)
+    with pytest.raises(ValueError, match="2\\^53 at most"):
+        fakir.HexagonalPattern(6e-6, 2.2e-6, pitch=5e-5, seed=2**53 + 1)
+
+
+def test_what_is_no_body_or_surface_is_named():
+    lens, substrate = fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    with pytest.raises(TypeError, match="the indenter is of type str: give a lens"):
+        fakir.FlatSystem("x", substrate)
+    with pytest.raises(TypeError, match="substrate is of type str: give a Substrate"):
+        fakir.AsperityArray([0.0], [0.0], 1e-4, 5e-4, fakir.bem.Plate(7e10, 0.2), "x")
+    with pytest.raises(TypeError, match="surface is the class Flat: give one of its objects"):
+        fakir.problem(lens, substrate, fakir.Flat)
+    with pytest.raises(ValueError, match="height is -1e-06: heights are above the floor"):
+        fakir.AsperityArray([0.0], [0.0], -1e-6, 5e-4, lens, substrate)
+    tops = fakir.AsperityArray([0.0], [0.0], 1e-6, 5e-4, lens, substrate)
+    with pytest.raises(ValueError, match="read-only"):
+        tops.x[0] = 1.0
