@@ -133,7 +133,7 @@ fn outcome(case: &AnyCase, run: &Run<'_>) -> Result<Result<Critical, String>, So
             }
             let critical = cycle.critical.as_ref();
             let critical = critical.map(|it| Ok(Critical::of(&it.contact, it.contact_radius())));
-            let hysteresis = cycle.separation.map(|_| cycle.loop_area);
+            let hysteresis = cycle.hysteresis();
             let force = cycle.pull_off.as_ref().map(|it| it.force);
             Ok(pulled_off(critical, force, hysteresis))
         }

@@ -102,7 +102,7 @@ pub enum ApproachError {
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
     /// The loading ends at a critical state that does not exist.
-    #[error("the loading has no end: {why}; or give the last indentation (to)")]
+    #[error("the loading has no end by itself, as {why}: give the last indentation (to)")]
     NoEnd {
         /// Why there is no critical state.
         why: &'static str,

@@ -35,7 +35,8 @@
 //! past the transition: the floor between the pillars then carries load, unless floor contact is [ignored](problem::System::with_floor). It
 //! also supports [adhesion](problem::Adhesion) on the pillar tops: [`cycle`] computes loading and unloading of a lens, including all jumps
 //! into contact and out of contact. [`gradient()`] computes a contact with its exact derivatives. [`verify()`] compares two methods.
-//! [`collapse`] follows an adhesive floor with a fast model. A lens or plate on any height map is a
+//! [`collapse`] follows an adhesive floor with a fast model. Other surfaces have the same questions as methods: a
+//! [`FlatSystem`](problem::FlatSystem), an [`AsperityArray`](problem::AsperityArray) of rounded tops, and a lens or plate on any height map, a
 //! [`SurfaceSystem`](problem::SurfaceSystem).
 //!
 //! # From a case to a force
@@ -55,7 +56,8 @@
 //!
 //! # Model
 //!
-//! Both bodies are elastic half-spaces without friction and without periodic images. Pillar tops and floor may be adhesive. The problem and
+//! Both bodies are elastic half-spaces or [layers](problem::Layer) without periodic images. Pillar tops and floor may be adhesive, bodies
+//! [viscoelastic](problem::Relaxation), and sliding contacts have a lateral force ([`Friction`](problem::Friction)). The problem and
 //! its symbols are those of R. Ledesma-Alonso, E. Raphaël, F. Restagno, C. Poulard, Phys. Rev. E 104, 055007 (2021). The spectral method
 //! expands the pressure on every pillar top in the eigenfunctions of a disc, couples pillars in closed form, and solves the contact
 //! conditions by a semismooth Newton method in which the indentation is one of the unknowns. The punch lattice is its lowest degree.

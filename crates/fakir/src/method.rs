@@ -2,7 +2,8 @@
 
 use crate::problem::scaled::Scene;
 use crate::problem::{
-    Accuracy, CyclePlan, Feature, Load, Method, Quantity, Question, System, Unsupported,
+    Accuracy, CyclePlan, Feature, Load, Method, Quantity, Question, System, UnloadingPoint,
+    Unsupported,
 };
 use crate::solve::adhesive;
 use crate::solve::answers;
@@ -235,6 +236,9 @@ pub fn follow_cycle(
         return Err(SolveError::NoAdhesion);
     }
     Question::Cycle.check(method.into(), &Feature::of(system))?;
+    if let UnloadingPoint::Critical(_) = plan.turn {
+        Question::Transition.check(method.into(), &Feature::of(system))?;
+    }
     let cycle = adhesive::cycle(system, plan, accuracy_of(method), run, follower)?;
     check_reach(&cycle.turn)?;
     cycle.checked()

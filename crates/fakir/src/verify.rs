@@ -392,6 +392,7 @@ fn compare_meshes([coarse, fine]: &mut [ContactState; 2]) {
         state.error.force += force;
         state.error.indentation += indentation;
         if let Some(floor) = &mut state.floor {
+            floor.error.force += share;
             floor.error.share += share;
             floor.error.area += area;
         }

@@ -124,21 +124,13 @@ fn quantities(cycle: &Cycle, range: Option<f64>, wall_time: f64) -> String {
         list.row(name, significant(value, known(error)), "J", words);
     };
     let area = errors.loop_area;
-    energy(
-        &mut list,
-        "work of separation",
-        cycle.work_of_separation,
-        area,
-        "",
-    );
+    if let Some(work) = cycle.work_of_separation() {
+        energy(&mut list, "work of separation", work, area, "");
+    }
+    if let Some(hysteresis) = cycle.hysteresis() {
+        energy(&mut list, "hysteresis", hysteresis, area, &remark(area));
+    }
     if let Some(certificate) = cycle.certificate() {
-        energy(
-            &mut list,
-            "hysteresis",
-            cycle.loop_area,
-            area,
-            &remark(area),
-        );
         list.row(
             "certificate",
             certificate_words(certificate),

@@ -190,20 +190,20 @@ fn unloading() -> Vec<Named<Cycle>> {
             "indentation at which the last pillar detaches; `null` if something is still in contact",
             |it: &Cycle| it.separation,
         ),
-        Named::number(
+        Named::number_if_any(
             "work_of_separation_J",
-            "work against tensile forces during unloading",
-            |it: &Cycle| it.work_of_separation,
+            "work against tensile forces during unloading; `null` under a prescribed force, where the lens leaves at once",
+            Cycle::work_of_separation,
         ),
         Named::number_if_any(
             "hysteresis_J",
-            "area of the loop of force over indentation; `null` for a path that is not closed",
-            |it: &Cycle| it.certificate().map(|_| it.loop_area),
+            "area of the loop of force over indentation; `null` for a path that is not closed, and under a prescribed force",
+            Cycle::hysteresis,
         ),
         Named::number_if_any(
             "normalized_hysteresis",
             "hysteresis over the receding work of adhesion times the largest top area that was in contact; 2 (1 + κ) for flat pillars that detach one by one",
-            |it: &Cycle| it.certificate().map(|_| it.loop_area / parting(it)),
+            |it: &Cycle| Some(it.hysteresis()? / parting(it)),
         ),
         Named::number(
             "dissipation_J",
@@ -213,7 +213,7 @@ fn unloading() -> Vec<Named<Cycle>> {
         .in_objects(),
         Named::number_if_any(
             "certificate",
-            "relative difference of `dissipation_J` from `hysteresis_J`",
+            "relative difference of `dissipation_J` from the area of the loop; `null` for a path that is not closed",
             Cycle::certificate,
         ),
     ]);

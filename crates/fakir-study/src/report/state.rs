@@ -431,9 +431,14 @@ impl QuantityList {
         let Some(floor) = state.on_floor() else {
             return self;
         };
-        let FloorErrors { share, area } = floor.error;
+        let FloorErrors { force, share, area } = floor.error;
         let known = |error| digits(error).min(DIGITS);
         let remark = |error| alone(&error_remark(error));
+        // The error of the fraction is that of the force, unless the floor pulls with more than the load.
+        let of_share = match share > 2.0 * force {
+            true => remark(share),
+            false => String::new(),
+        };
         let [x, y] = floor.cell();
         let cells = format!(
             "on cells of {} by {}",
@@ -444,14 +449,14 @@ impl QuantityList {
             "force on the floor",
             floor.force,
             Dimension::Force,
-            known(share),
-            remark(share),
+            known(force),
+            remark(force),
         )
         .row(
             "fraction on the floor",
             significant(floor.share, known(share)),
             "",
-            "",
+            &of_share,
         )
         .area(
             "contact area on the floor",

@@ -299,6 +299,7 @@ mod tests {
                 errors: AdhesiveFloorErrors {
                     turn_force: 0.01,
                     turn_indentation: 0.0,
+                    turn_floor_force: 0.01,
                     turn_share: 0.01,
                     turn_area: 0.01,
                     jump_force: 0.01,

@@ -23,7 +23,7 @@ pub struct Adhesion {
     /// Work of adhesion where contact is broken, J/m^2, if it is larger.
     pub work_receding: Option<f64>,
     /// Whether the floor is adhesive as well. The lens then jumps into contact with the floor when it first touches it, and detaches from
-    /// it at a smaller indentation. Otherwise loading ends where the floor is reached.
+    /// it at a smaller indentation. Otherwise the floor carries load without pulling.
     pub floor: bool,
 }
 

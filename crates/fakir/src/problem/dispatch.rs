@@ -246,6 +246,12 @@ impl Unsupported {
         instead: "use columns, or compute a `cycle`",
         with: &[ELASTIC],
     };
+    /// The fast model of a collapsed floor, with two works of adhesion.
+    pub(crate) const COLLAPSE_WITH_ONE_WORK: Self = Self {
+        why: "the fast model of a collapsed floor has one work of adhesion, and here that of breaking contact is larger",
+        instead: "leave out the receding work of adhesion, or compute a `cycle`",
+        with: &[ADHESIVE_TOPS],
+    };
     /// Contacts with a prescribed floor share.
     pub(crate) const SHARES_OF_ADHESIVE_TOPS: Self = Self {
         why: "with adhesion contacts follow from the whole loading, and the floor share may jump past the given one",

@@ -40,7 +40,7 @@ pub enum Accuracy {
     /// crosses most of them.
     #[default]
     Default,
-    /// About 1e-8, 1e-6 and 1e-5 in these cases, at ten times the cost. Cells of an adhesive floor are 0.6 times as large.
+    /// About 1e-8, 1e-6 and 1e-5 in these cases, at about twenty times the cost. Cells of an adhesive floor are 0.6 times as large.
     Accurate,
 }
 

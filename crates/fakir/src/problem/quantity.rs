@@ -300,8 +300,9 @@ impl fmt::Display for Requirement {
             ),
             Self::AtLeastQuarterDiameter(diameter) => write!(
                 f,
-                "at least a quarter of the diameter of the widest pillar, {diameter:e} m: on a thinner layer the model, in which pillars are punches \
-                 on its surface, is not valid"
+                "at least a quarter of the diameter of the widest pillar, {:e} m: on a thinner layer the model, in which pillars are punches \
+                 on its surface, is not valid",
+                0.25 * diameter
             ),
             Self::BetweenRows => f.write_str("above 0 and below 180 deg"),
             Self::UpTo(most) => write!(f, "between 0 and {most}"),

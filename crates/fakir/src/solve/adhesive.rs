@@ -217,6 +217,7 @@ impl Route {
                     .floor
                     .as_ref()
                     .map_or(1.0, |floor| floor.share.abs());
+                errors.turn_floor_force += left_out / share;
                 errors.turn_share += left_out / share;
                 loaded.loading.floor = Some(FloorResolution { errors, ..floor });
             }
@@ -230,6 +231,7 @@ impl Route {
 struct Loading<'a> {
     system: &'a System,
     accuracy: Accuracy,
+    drive: LoadingMode,
     path: Path<'a>,
     /// Numerical resolution of the floor; `None` unless it was touched.
     floor: Option<FloorResolution>,
@@ -277,6 +279,7 @@ impl<'a> Loading<'a> {
         Ok(Self {
             system,
             accuracy,
+            drive,
             path,
             floor: None,
             left_out: 0.0,
@@ -568,7 +571,11 @@ impl Loaded<'_> {
                 after_jump.map(|it| it.force),
                 after_jump.and_then(|it| Some(it.floor?.area)),
             ],
-            lost: lost.map(|stations| stations.map(|it| it.indentation)),
+            // Under a prescribed force nothing holds the lens after it has left.
+            lost: lost.map(|[last, after]| match after.touched[0] {
+                0 if self.loading.drive == LoadingMode::Force => [last.indentation; 2],
+                _ => [last, after].map(|it| it.indentation),
+            }),
             pull_off: strongest.map(|pull| stations[pull.station].force),
             loop_area: closed.then_some(path.energies.work),
         }
@@ -613,6 +620,7 @@ impl Loaded<'_> {
         };
         let errors = resolution.errors;
         floor.error = FloorErrors {
+            force: errors.turn_floor_force,
             share: errors.turn_share,
             area: errors.turn_area,
         };
@@ -632,7 +640,7 @@ impl Loaded<'_> {
         let path = &loading.path;
         let scene = path.scene;
         let (metres, newtons) = (scene.length, scene.force());
-        let stations: Vec<CycleLoadStep> = path
+        let mut stations: Vec<CycleLoadStep> = path
             .stations
             .iter()
             .map(|station| {
@@ -643,6 +651,14 @@ impl Loaded<'_> {
                 }
             })
             .collect();
+        // Under a prescribed force the lens leaves where it detaches: there is no place where it comes to rest.
+        if plan.drive == LoadingMode::Force
+            && let [.., held, free] = &mut stations[..]
+            && free.branch == Branch::Unloading
+            && free.pillars_in_contact == 0
+        {
+            free.indentation = held.indentation;
+        }
         let mut events: Vec<CycleEvent> = path.events.iter().map(|e| loading.event(e)).collect();
         if let (Some(place), Some(critical)) = (events_before_floor, &critical) {
             let floor = CycleEvent {

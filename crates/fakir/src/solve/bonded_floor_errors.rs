@@ -87,6 +87,7 @@ impl Figures {
         AdhesiveFloorErrors {
             turn_force: error(&|it| it.turn[0]),
             turn_indentation: error(&|it| it.turn[1]),
+            turn_floor_force: error(&|it| Some(it.turn[0]? * it.turn[2]?)),
             turn_share: error(&|it| it.turn[2]),
             turn_area: error(&|it| it.turn[3]),
             jump_force: error(&|it| it.jump[0]),
@@ -105,6 +106,7 @@ impl AdhesiveFloorErrors {
         Self {
             turn_force: factor * self.turn_force,
             turn_indentation: factor * self.turn_indentation,
+            turn_floor_force: factor * self.turn_floor_force,
             turn_share: factor * self.turn_share,
             turn_area: factor * self.turn_area,
             jump_force: factor * self.jump_force,
@@ -146,6 +148,7 @@ mod tests {
         let expected = AdhesiveFloorErrors {
             turn_force: 0.1,
             turn_indentation: 0.3,
+            turn_floor_force: 0.12,
             turn_share: 0.2,
             turn_area: 0.0,
             jump_force: 0.0,

@@ -317,6 +317,10 @@ impl CollapsedFloor {
         if system.pillar().compliance == PillarCompliance::Elastic {
             return Err(Unsupported::BUT_FOR_COLUMNS.into());
         }
+        let adhesion = system.adhesion();
+        if adhesion.receding() > adhesion.work {
+            return Err(Unsupported::COLLAPSE_WITH_ONE_WORK.into());
+        }
         let work = Requirement::Positive.check(Quantity::WorkOfAdhesion, system.adhesion().work)?;
         Requirement::Between(0.0, 0.1 * lens.radius)
             .check(Quantity::Indentation, largest_indentation)?;

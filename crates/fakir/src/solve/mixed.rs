@@ -337,10 +337,7 @@ fn estimates(
     let relative = [error / fine.force, error / (stiffness * fine.indentation)];
     Some((
         relative,
-        FloorErrors {
-            share: of_share,
-            area: border.max(of_area) / fine.area(),
-        },
+        FloorErrors::of_part(of_share, border.max(of_area) / fine.area()),
     ))
 }
 

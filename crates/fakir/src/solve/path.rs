@@ -45,6 +45,9 @@ use crate::problem::pillar_field::PillarBody;
 use crate::problem::scaled::Scene;
 use crate::state::{Progress, Run, SolveError, Stage, Termination};
 
+/// Part of the height of a pillar by which the end of a path is passed in a jump, beyond rounding.
+const PASSED: f64 = 1e-6;
+
 /// Relative residuals of the responses: to a unit indentation and at the current one if the indentation is prescribed, and of both
 /// otherwise.
 const UNIT_TOLERANCE: f64 = 1e-5;
@@ -457,7 +460,15 @@ impl<'a> Path<'a> {
     /// Change of the indentation up to an end along the linearized response.
     fn distance(&self, sign: f64, end: End) -> f64 {
         match end {
-            End::Indentation(indentation) => sign * (indentation - self.indentation()),
+            End::Indentation(indentation) => {
+                let way = sign * (indentation - self.indentation());
+                // A jump under a prescribed force may pass the end: the lens does not go back to it.
+                if way < -PASSED * self.scene.height {
+                    0.0
+                } else {
+                    way
+                }
+            }
             End::Force(force) if self.tops.counts()[0] > 0 => {
                 let missing = sign * (force - self.force());
                 missing.max(0.0) / self.stiffness()

@@ -135,7 +135,7 @@ impl AsperityContact {
             ("force", error.force),
             ("contact area", error.area),
             ("indentation", relative(error.indentation, depth)),
-            (FLOOR_FORCE, of_floor(|error| error.share)),
+            (FLOOR_FORCE, of_floor(|error| error.force)),
             (FLOOR_AREA, of_floor(|error| error.area)),
         ];
         let remedy = match self.accuracy {

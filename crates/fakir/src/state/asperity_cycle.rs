@@ -115,9 +115,8 @@ impl AsperityCycle {
         if !self.converged() {
             return None;
         }
-        let turn = self.turn.unresolved().map_or(0.0, |found| found.error);
         let numbers = [
-            ("force at the end of loading", turn),
+            Unresolved::at_the_end_of_loading(self.turn.unresolved()),
             (
                 "pull-off force",
                 self.pull_off

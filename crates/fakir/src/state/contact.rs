@@ -347,7 +347,7 @@ impl ContactState {
                 counts(if carries { part } else { 1.0 }, self.error.force),
             ),
             ("indentation", counts(part, self.error.indentation)),
-            (FLOOR_FORCE, known.map_or(0.0, |floor| floor.error.share)),
+            (FLOOR_FORCE, known.map_or(0.0, |floor| floor.error.force)),
             (FLOOR_AREA, known.map_or(0.0, |floor| floor.error.area)),
         ];
         // The fronts on adhesive tops do not depend on the accuracy setting.

@@ -6,7 +6,7 @@ use super::fields::Fields;
 use super::floor_contact::FloorContact;
 use super::limit::{Limit, limits_of_adhesion};
 use super::resolution::{Remedy, Unresolved};
-use crate::problem::{Accuracy, CyclePlan, Point, System};
+use crate::problem::{Accuracy, CyclePlan, LoadingMode, Point, System};
 use std::sync::Arc;
 
 /// Direction of the cycle.
@@ -91,7 +91,9 @@ pub struct AdhesiveFloorErrors {
     pub turn_force: f64,
     /// Error of the indentation at the end of loading; 0 if it is prescribed.
     pub turn_indentation: f64,
-    /// Error of the fraction of this force carried by the floor.
+    /// Error of the force on the floor at the end of loading.
+    pub turn_floor_force: f64,
+    /// Error of the fraction of the load carried by the floor there.
     pub turn_share: f64,
     /// Error of the area of the floor in contact at the end of loading.
     pub turn_area: f64,
@@ -112,6 +114,7 @@ impl AdhesiveFloorErrors {
     pub(crate) const UNKNOWN: Self = Self {
         turn_force: 1.0,
         turn_indentation: 1.0,
+        turn_floor_force: 1.0,
         turn_share: 1.0,
         turn_area: 1.0,
         jump_force: 1.0,
@@ -122,10 +125,11 @@ impl AdhesiveFloorErrors {
     };
 
     #[cfg(test)]
-    pub(crate) fn all(&self) -> [f64; 9] {
+    pub(crate) fn all(&self) -> [f64; 10] {
         [
             self.turn_force,
             self.turn_indentation,
+            self.turn_floor_force,
             self.turn_share,
             self.turn_area,
             self.jump_force,
@@ -391,10 +395,7 @@ impl Cycle {
         // The results for the floor have separate errors.
         let turn = self.turn.unresolved().filter(|_| self.turn.floor.is_none());
         let numbers = [
-            (
-                "force at the end of loading",
-                turn.map_or(0.0, |found| found.error),
-            ),
+            Unresolved::at_the_end_of_loading(turn),
             ("critical force", of(critical, errors.critical_force)),
             (
                 "critical indentation",
@@ -406,7 +407,7 @@ impl Cycle {
             ),
             (
                 "hysteresis",
-                of(self.separation.is_some(), errors.loop_area),
+                of(self.hysteresis().is_some(), errors.loop_area),
             ),
         ];
         let (lost, jumped) = (self.floor_lost().is_some(), self.floor_jump().is_some());
@@ -419,7 +420,7 @@ impl Cycle {
                 ("indentation at the end of loading", it.turn_indentation),
                 (
                     "force on the floor at the end of loading",
-                    share.min(1.0) * it.turn_share,
+                    share.min(1.0) * it.turn_floor_force,
                 ),
                 (
                     "force after the jump onto the floor",
@@ -460,6 +461,19 @@ impl Cycle {
             Accuracy::Accurate if !self.system.adhesion().floor => Remedy::HigherLoad,
             Accuracy::Accurate => Remedy::CollapsedFloor,
         }
+    }
+
+    /// Area of the loop of force over indentation, J. `None` for a path that is not closed, and under a prescribed force, where the lens leaves at once.
+    #[must_use]
+    pub fn hysteresis(&self) -> Option<f64> {
+        self.separation?;
+        (self.plan.drive != LoadingMode::Force).then_some(self.loop_area)
+    }
+
+    /// Work against tensile forces during unloading, J, but for a prescribed force, where the lens leaves at once.
+    #[must_use]
+    pub fn work_of_separation(&self) -> Option<f64> {
+        (self.plan.drive != LoadingMode::Force).then_some(self.work_of_separation)
     }
 
     /// Energy balance error of a closed path: difference between loop area and dissipation, divided by the loop area. It consists of

@@ -39,7 +39,9 @@ pub struct FloorContact {
 /// Estimated relative errors of the floor contact, from two grids and from refinement on pillars.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorErrors {
-    /// Error of the force on the floor, and therefore of its fraction of the load.
+    /// Error of the force on the floor.
+    pub force: f64,
+    /// Error of its fraction of the load: the same, unless the floor pulls with more than the load, which may then pass through zero.
     pub share: f64,
     /// Error of the area.
     pub area: f64,
@@ -48,9 +50,19 @@ pub struct FloorErrors {
 impl FloorErrors {
     /// The errors are unknown.
     pub(crate) const UNKNOWN: Self = Self {
+        force: 1.0,
         share: 1.0,
         area: 1.0,
     };
+
+    /// Errors of a floor that carries a part of the load.
+    pub(crate) fn of_part(share: f64, area: f64) -> Self {
+        Self {
+            force: share,
+            share,
+            area,
+        }
+    }
 }
 
 impl FloorContact {
@@ -115,6 +127,7 @@ impl FloorContact {
                 "distance of the floor contact from a rim",
                 &mut self.smallest_distance_to_rim,
             ),
+            ("error estimate of the floor's force", &mut self.error.force),
             ("error estimate of the floor's share", &mut self.error.share),
             ("error estimate of the floor's area", &mut self.error.area),
             ("energy error", &mut self.energy_bound),

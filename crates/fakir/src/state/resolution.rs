@@ -75,6 +75,24 @@ impl Unresolved {
         }
     }
 
+    /// Its name and error in a cycle whose loading ends with this contact.
+    pub(super) fn at_the_end_of_loading(found: Option<Self>) -> (&'static str, f64) {
+        let Some(Self {
+            quantity, error, ..
+        }) = found
+        else {
+            return ("force at the end of loading", 0.0);
+        };
+        let name = match quantity {
+            FLOOR_FORCE => "force on the floor at the end of loading",
+            FLOOR_AREA => "contact area on the floor at the end of loading",
+            "indentation" => "indentation at the end of loading",
+            "contact area" => "contact area at the end of loading",
+            _ => "force at the end of loading",
+        };
+        (name, error)
+    }
+
     /// The first number that is not resolved, among numbers with their names and estimated relative errors.
     pub(crate) fn among(
         numbers: impl IntoIterator<Item = (&'static str, f64)>,
@@ -192,7 +210,7 @@ mod tests {
         assert!(state.is_answer());
         let with = |share: f64, area: f64| {
             let mut state = state.clone();
-            state.floor.as_mut().unwrap().error = FloorErrors { share, area };
+            state.floor.as_mut().unwrap().error = FloorErrors::of_part(share, area);
             state.unresolved().map(|found| found.quantity)
         };
         assert_eq!(with(0.4, 0.4), None);

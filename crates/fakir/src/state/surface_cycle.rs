@@ -19,8 +19,8 @@ pub struct SurfaceLoadStep {
     pub contact_area: f64,
 }
 
-/// Estimated relative errors of the results of a cycle due to the cell size, from the same cycle on cells twice and four times as large; `None`
-/// if the surface has too few cells for that.
+/// Estimated relative errors of the results of a cycle due to the cell size, from the same cycle on larger cells, and from forces on unloading that are
+/// above those on loading, which only cells cause.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceCycleErrors {
     /// Relative error of the pull-off force.

@@ -213,7 +213,7 @@ fn of_layers(
 
 /// How well the rows of a table describe the lens in a contact that reaches this far from the axis (m), at an indentation (m).
 fn of_table(lens: &ShapedLens, reach: f64, indentation: f64) -> Option<Limit> {
-    let error = lens.profile()?.interpolation_error(reach)?;
+    let error = lens.profile()?.interpolation_error(reach);
     let name = "lens_table_error_over_indentation";
     (indentation > 0.0).then(|| Limit::at_most(name, error / indentation, SMALL))
 }

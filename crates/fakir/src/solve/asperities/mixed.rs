@@ -947,10 +947,10 @@ impl Solved<'_> {
                 area: relative(area, pressed.area()) + area_of_shape,
                 indentation: force / rates.force.abs(),
             },
-            FloorErrors {
-                share: relative(shared, pressed.share()),
-                area: larger(border, of_area) / fine.floor_area(),
-            },
+            FloorErrors::of_part(
+                relative(shared, pressed.share()),
+                larger(border, of_area) / fine.floor_area(),
+            ),
         ))
     }
 }

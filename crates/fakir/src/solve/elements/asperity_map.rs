@@ -277,6 +277,7 @@ fn compare(found: &mut [AsperityElements; 2]) {
         elements.error.indentation += indentation;
         elements.area_error += area;
         if let Some(floor) = &mut elements.floor {
+            floor.error.force += share;
             floor.error.share += share;
             floor.error.area += of_floor;
         }

@@ -212,10 +212,9 @@ fn state(
             .centres()
             .map(distance_to_rim)
             .fold(f64::INFINITY, f64::min),
-        error: contact.floor_error.unwrap_or(FloorErrors {
-            share: f64::INFINITY,
-            area: f64::INFINITY,
-        }),
+        error: contact
+            .floor_error
+            .unwrap_or(FloorErrors::of_part(f64::INFINITY, f64::INFINITY)),
         energy_bound: contact.certificate.energy_bound,
         pressure: on_floor
             .indices()

@@ -38,8 +38,8 @@ use crate::problem::{
     UnloadingPoint, Unsupported,
 };
 use crate::state::{
-    ErrorEstimate, FloorErrors, OnLargerCells, Regime, Run, SolveError, SurfaceContact,
-    SurfaceCycle, SurfaceCycleErrors, SurfaceTransition,
+    Branch, ErrorEstimate, FloorErrors, OnLargerCells, Regime, Run, SolveError, SurfaceContact,
+    SurfaceCycle, SurfaceCycleErrors, SurfaceLoadStep, SurfaceTransition,
 };
 
 impl SurfaceSystem {
@@ -159,7 +159,7 @@ impl SurfaceSystem {
             },
         });
         let area_error = changes.map(|[_, _, area, ..]| larger(area, level.part_along_edge()));
-        let floor_error = changes.map(|[.., share, area]| FloorErrors { share, area });
+        let floor_error = changes.map(|[.., share, area]| FloorErrors::of_part(share, area));
         let contact = level.finish(pressed)?;
         SurfaceContact {
             error,
@@ -255,13 +255,17 @@ impl SurfaceSystem {
             return Err(SolveError::NoFloor);
         };
         let turn = self.with_errors(load, turn, &pressed, self.estimated(&of_turns))?;
+        let [excess, highest] = excess_on_unloading(&followed.steps);
+        let pull_off = of_cycles.last().map_or(0.0, |[pull_off, ..]| *pull_off);
+        // Cells change the forces of both branches, so that half of the difference is in each.
+        let of_pull_off = 0.5 * highest / pull_off.abs();
         let errors =
             self.estimated(&of_cycles)
                 .map(
                     |[pull_off_force, work_of_separation, loop_area]| SurfaceCycleErrors {
-                        pull_off_force,
-                        work_of_separation,
-                        loop_area,
+                        pull_off_force: pull_off_force + of_pull_off,
+                        work_of_separation: work_of_separation + of_pull_off,
+                        loop_area: loop_area + excess / work.abs(),
                     },
                 );
         let unloaded = |value: f64| plan.retract.then_some(value);
@@ -352,6 +356,33 @@ fn results(level: &Level<'_>, pressed: &Pressed) -> [f64; RESULTS] {
         share,
         on_floor.area,
     ]
+}
+
+/// By how much the force on unloading is above that on loading at the same indentations: the integral, J, and the largest value, N. The contact is
+/// larger on unloading and pulls more, so that this is an error of the cells, on which fronts advance at a lower and recede at a higher work of adhesion.
+fn excess_on_unloading(steps: &[SurfaceLoadStep]) -> [f64; 2] {
+    let touched = |branch: Branch| {
+        let of_branch = steps.iter().filter(move |step| step.branch == branch);
+        of_branch.filter(|step| step.contact_area > 0.0)
+    };
+    let loading: Vec<[f64; 2]> = touched(Branch::Loading)
+        .map(|step| [step.indentation, step.force])
+        .collect();
+    let of = |step: &SurfaceLoadStep| {
+        let next = loading.partition_point(|[indentation, _]| *indentation < step.indentation);
+        let (&[from, low], &[to, high]) = (loading.get(next.checked_sub(1)?)?, loading.get(next)?);
+        let part = (step.indentation - from) / (to - from);
+        Some(larger(step.force - (low + part * (high - low)), 0.0))
+    };
+    let unloading: Vec<[f64; 2]> = touched(Branch::Unloading)
+        .filter_map(|step| Some([step.indentation, of(step)?]))
+        .collect();
+    let parts = unloading.windows(2);
+    let integral = parts.map(|pair| 0.5 * (pair[0][1] + pair[1][1]) * (pair[0][0] - pair[1][0]));
+    let highest = unloading
+        .iter()
+        .fold(0.0, |most, [_, it]| larger(most, *it));
+    [integral.sum(), highest]
 }
 
 /// Force, indentation and contact radius of the last solved level, before a level of smaller cells.
