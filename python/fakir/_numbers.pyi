@@ -525,16 +525,16 @@ class CycleNumbers(Answer):
     'Pull-off force over that of a single pillar of the common diameter: the equivalent number of independent pillars.'
     last_release_indentation: Number[float | None]
     'Indentation at which the last pillar detaches (m); None if something is still in contact.'
-    work_of_separation: Number[float]
-    'Work against tensile forces during unloading (J).'
+    work_of_separation: Number[float | None]
+    'Work against tensile forces during unloading (J); None under a prescribed force, where the lens leaves at once.'
     hysteresis: Number[float | None]
-    'Area of the loop of force over indentation (J); None for a path that is not closed.'
+    'Area of the loop of force over indentation (J); None for a path that is not closed, and under a prescribed force.'
     normalized_hysteresis: Number[float | None]
     'Hysteresis over the receding work of adhesion times the largest top area that was in contact; 2 (1 + κ) for flat pillars that detach one by one.'
     dissipation: Number[float]
     'Energy dissipated by all events, summed independently (J).'
     certificate: Number[float | None]
-    'Relative difference of `dissipation` from `hysteresis`.'
+    'Relative difference of `dissipation` from the area of the loop; None for a path that is not closed.'
     kendall_strain: Number[float]
     'Tensile stress on a pillar at its detachment over the modulus of the substrate.'
     error: Number[CycleErrors]
