@@ -201,7 +201,9 @@ fn what_cannot_be_is_refused() {
     let bench = Bench::new();
     let (case, plain) = (adhesive(), example("paper-intermediate.toml"));
     let surface = example("square-pillars.toml");
-    let attempts: [(&[&str], &str); 16] = [
+    let peeling = example("peeling.toml");
+    let attempts: [(&[&str], &str); 17] = [
+        (&["cycle", &peeling], "has no transition"),
         (
             &["transition", &plain, "--attraction-range", "5nm"],
             "--attraction-range needs adhesive pillar tops",

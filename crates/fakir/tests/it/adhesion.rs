@@ -8,8 +8,8 @@ use fakir::problem::{
     System, UnloadingPoint,
 };
 use fakir::state::{
-    CancelToken, ContactState, Cycle, CycleEventKind, PillarState, PillarStatus, Progress, Run,
-    SolveError, Stage, Termination, Warning,
+    Branch, CancelToken, ContactState, Cycle, CycleEventKind, PillarState, PillarStatus, Progress,
+    Run, SolveError, Stage, Termination, Warning,
 };
 use fakir::theory::adhesion::pull_off_under_lens;
 use std::collections::BTreeMap;
@@ -211,6 +211,32 @@ fn an_adhesive_floor_detaches_later_than_it_attached() {
     let floor = cycle.turn.floor.as_ref().unwrap();
     let on_tops: f64 = cycle.turn.pillars.iter().map(|pillar| pillar.force).sum();
     assert!(((on_tops + floor.force) / cycle.turn.force - 1.0).abs() < 1e-4);
+}
+
+/// Under a prescribed force the first jump passes a smaller last indentation: the loading ends after it and does not go back. The lens leaves where it
+/// detaches, and no loop is closed.
+#[test]
+fn a_jump_past_the_end_ends_the_loading() {
+    let system = adhesive(0.01, 0.0, 0.05);
+    let plan = CyclePlan {
+        turn: UnloadingPoint::Indentation(0.5e-9),
+        drive: LoadingMode::Force,
+        ..CyclePlan::default()
+    };
+    let cycle = cycle(&system, plan);
+    assert!(cycle.turn.indentation > 1e-9);
+    let loading = || {
+        let loading = cycle.stations.iter();
+        loading.filter(|station| station.branch == Branch::Loading)
+    };
+    let indentations: Vec<f64> = loading().map(|station| station.indentation).collect();
+    assert!(indentations.is_sorted(), "{indentations:?}");
+    let [.., held, free] = &cycle.stations[..] else {
+        panic!("an unloading")
+    };
+    assert_eq!(free.pillars_in_contact, 0);
+    assert_eq!(cycle.separation, Some(held.indentation));
+    assert!(cycle.hysteresis().is_none() && cycle.work_of_separation().is_none());
 }
 
 /// The pull-off force does not depend on the quantity that is controlled while tops detach.

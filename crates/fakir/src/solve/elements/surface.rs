@@ -258,14 +258,21 @@ impl SurfaceSystem {
         let [excess, highest] = excess_on_unloading(&followed.steps);
         let pull_off = of_cycles.last().map_or(0.0, |[pull_off, ..]| *pull_off);
         // Cells change the forces of both branches, so that half of the difference is in each.
-        let of_pull_off = 0.5 * highest / pull_off.abs();
+        let part = |value: f64, of: f64| {
+            if value > 0.0 {
+                (value / of.abs()).min(1.0)
+            } else {
+                0.0
+            }
+        };
+        let of_pull_off = part(0.5 * highest, pull_off);
         let errors =
             self.estimated(&of_cycles)
                 .map(
                     |[pull_off_force, work_of_separation, loop_area]| SurfaceCycleErrors {
                         pull_off_force: pull_off_force + of_pull_off,
                         work_of_separation: work_of_separation + of_pull_off,
-                        loop_area: loop_area + excess / work.abs(),
+                        loop_area: loop_area + part(excess, work),
                     },
                 );
         let unloaded = |value: f64| plan.retract.then_some(value);
@@ -512,6 +519,30 @@ mod tests {
             let mut plain = signed.checked().unwrap();
             assert_eq!(place(&mut plain).to_bits(), 0f64.to_bits());
         }
+    }
+
+    /// Loading along `F = z`, unloading along `F = z + 0.1` down to 0.5, and below along `F = 2 z - 0.5`, in arbitrary units: the excess is 0.1 over a
+    /// half, and falls to 0 over a tenth.
+    #[test]
+    fn forces_on_unloading_above_those_on_loading_are_counted() {
+        let step = |branch, indentation: f64, force: f64| SurfaceLoadStep {
+            branch,
+            indentation,
+            force,
+            contact_area: 1.0,
+        };
+        let loading = (0..=10).map(|k| 0.1 * f64::from(k));
+        let loading = loading.map(|z| step(Branch::Loading, z, z));
+        let unloading = [1.0, 0.9, 0.7, 0.5, 0.4, 0.2];
+        let unloading = unloading.map(|z| {
+            let force = if z < 0.45 { 2.0 * z - 0.5 } else { z + 0.1 };
+            step(Branch::Unloading, z, force)
+        });
+        let steps: Vec<SurfaceLoadStep> = loading.chain(unloading).collect();
+        let [integral, highest] = excess_on_unloading(&steps);
+        assert!((highest - 0.1).abs() < 1e-12, "{highest}");
+        assert!((integral - (0.05 + 0.005)).abs() < 1e-12, "{integral}");
+        assert_eq!(excess_on_unloading(&steps[..11]), [0.0; 2]);
     }
 
     #[test]
