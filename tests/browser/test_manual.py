@@ -13,7 +13,7 @@ def at(page):
     return (Path(BOOK) / f"{page}.html").absolute().as_uri()
 
 
-@pytest.mark.parametrize("word, page", [("pull-off", "experimenters"), ("offset_angle", "reference/keys")])
+@pytest.mark.parametrize("word, page", [("pull-off", "howto/pull-off"), ("offset_angle", "reference/keys")])
 def test_search_finds(browser, word, page):
     tab = browser.new_page()
     tab.goto(f"{at('index')}?search={word}")
