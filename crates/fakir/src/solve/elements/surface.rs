@@ -542,7 +542,11 @@ mod tests {
         let [integral, highest] = excess_on_unloading(&steps);
         assert!((highest - 0.1).abs() < 1e-12, "{highest}");
         assert!((integral - (0.05 + 0.005)).abs() < 1e-12, "{integral}");
-        assert_eq!(excess_on_unloading(&steps[..11]), [0.0; 2]);
+        let of_loading = excess_on_unloading(&steps[..11]);
+        assert!(
+            of_loading.iter().all(|it| it.abs() <= 0.0),
+            "{of_loading:?}"
+        );
     }
 
     #[test]
