@@ -410,9 +410,12 @@ function loadingContents(state) {
 /** @param {State} state */
 export function drawCurves(state) {
   for (const chart of CURVES) {
+    const svg = byId(chart.id, SVGSVGElement);
+    // They were refused: those of the case before are not left under the words that say so.
+    if (state.curves === null) svg.replaceChildren();
     const contents = curveContents(state, chart);
     if (contents === null) continue;
-    drawChart(byId(chart.id, SVGSVGElement), chart.axes, contents);
+    drawChart(svg, chart.axes, contents);
     hideUndrawn("curves-legend", contents.series);
   }
 }

@@ -537,7 +537,9 @@ export class Store {
       const words = refusal?.message ?? "";
       const done = whole || refusal !== null;
       const answered = { ...state.answered, ...(done && { [kind]: { of, is: words } }) };
-      this.#change({ asking, answered });
+      // A refused question has no result that would replace that of an older case.
+      const isOfBefore = refusal !== null && state[kind]?.of.name !== of.name;
+      this.#change({ asking, answered, ...(isOfBefore && { [kind]: null }) });
     } else if (refusal !== null) {
       const reference = newer(state.reference, of);
       this.#change({ asking, reference, progress: null, refusal: { of, is: refusal } });
