@@ -3,7 +3,7 @@
 use crate::case::Case;
 use crate::error::{solve_error, value_error};
 use crate::watched::{Options, watched};
-use fakir::problem::{InvalidQuantity, System, Unsupported};
+use fakir::problem::{Feature, InvalidQuantity, Question, Solver, System};
 use fakir::solve::collapsed_floor::{CollapsedCycle, CollapsedFloor};
 use fakir::solve::homogenised::HomogenisedLattice;
 use fakir::state::SolveError;
@@ -50,17 +50,13 @@ fn of_theory(case: &Case) -> PyResult<&System> {
     Ok(system)
 }
 
-/// The system of a case, if its bodies are a sphere and half-spaces.
-fn of_sphere(case: &Case) -> PyResult<&System> {
+/// The system of a case, if the formulas support its bodies: one without pillars holds on every arrangement.
+fn of_bodies(case: &Case) -> PyResult<&System> {
     let system = &case.case.system;
-    if system.lens().sphere().is_none() {
-        return Err(value_error(Unsupported::BUT_FOR_A_SPHERE));
-    }
-    if system.has_layers() {
-        return Err(value_error(
-            "this formula is valid only for half-spaces: leave out the thicknesses",
-        ));
-    }
+    let mut features = Feature::of(system);
+    features.retain(|feature| *feature != Feature::OtherArrangement);
+    let answered = Question::Theory.check(Solver::Spectral, &features);
+    answered.map_err(|error| value_error(error.to_string()))?;
     Ok(system)
 }
 
@@ -133,7 +129,7 @@ pub(crate) fn transition_force(case: &Case, contact_radius: f64) -> PyResult<f64
 #[pyfunction]
 pub(crate) fn hertz_contact_radius(case: &Case, force: f64) -> PyResult<f64> {
     let force = not_negative("force", force)?;
-    Ok(forms::hertz_contact_radius(of_sphere(case)?, force))
+    Ok(forms::hertz_contact_radius(of_bodies(case)?, force))
 }
 
 /// Region of the phase diagram, and whether the two numbers determine it.
@@ -286,7 +282,7 @@ pub(crate) fn net_work(case: &Case, work: f64) -> PyResult<Option<f64>> {
 /// Pull-off force (N) of the adhering floor, approximated as smooth; `None` if it does not adhere by itself.
 #[pyfunction]
 pub(crate) fn stuck_floor_pull_off(case: &Case, work: f64) -> PyResult<Option<f64>> {
-    let lens = of_sphere(case)?.lens().sphere_radius();
+    let lens = of_bodies(case)?.lens().sphere_radius();
     floor_of(case)?.pull_off(lens, work).map_err(invalid)
 }
 

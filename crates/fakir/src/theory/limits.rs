@@ -13,6 +13,7 @@ use crate::state::limit::{
 };
 use crate::state::{AsperityContact, ContactState, FlatContact, PillarState, SurfaceContact};
 use std::f64::consts::PI;
+use std::iter;
 
 /// Ratio of the force on a pillar to its buckling force above which small imperfections are significant: a ratio of one half doubles them.
 const LARGEST_BUCKLING: f64 = 0.5;
@@ -70,18 +71,14 @@ impl ContactState {
     pub fn limits(&self, range: Option<f64>) -> Vec<Limit> {
         let system = &self.system;
         let farthest = self.whole_contact_radius();
+        let lens = system.lens();
         let mut limits = if system.adhesion().is_none() {
-            let slope = system.lens().slope_at(farthest);
-            vec![Limit::at_most("slope", slope, DOUBTFUL_CONTACT)]
+            of_lens(lens, farthest, self.indentation).collect()
         } else {
-            limits_of_adhesion(system, farthest, range)
+            let mut limits = limits_of_adhesion(system, farthest, range);
+            limits.extend(of_lens_beside_slope(lens, farthest, self.indentation));
+            limits
         };
-        if let Some(radius) = system.lens().curvature_radius() {
-            let ratio = farthest / radius;
-            let name = "contact_radius_over_lens_radius";
-            limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
-        }
-        limits.extend(of_table(system.lens(), farthest, self.indentation));
         let modulus = system.substrate().young_modulus;
         let hardest = |of: &dyn Fn(&PillarState) -> f64| {
             let each = self.pillars.iter().map(of);
@@ -211,11 +208,29 @@ fn of_layers(
     limits
 }
 
-/// How well the rows of a table describe the lens in a contact that reaches this far from the axis (m), at an indentation (m).
-fn of_table(lens: &ShapedLens, reach: f64, indentation: f64) -> Option<Limit> {
-    let error = lens.profile()?.interpolation_error(reach);
-    let name = "lens_table_error_over_indentation";
-    (indentation > 0.0).then(|| Limit::at_most(name, error / indentation, SMALL))
+/// Limits of a lens in a contact that reaches this far from its axis (m), at an indentation (m): its slope and the rest.
+fn of_lens(lens: &ShapedLens, reach: f64, indentation: f64) -> impl Iterator<Item = Limit> {
+    let slope = Limit::at_most("slope", lens.slope_at(reach), DOUBTFUL_CONTACT);
+    iter::once(slope).chain(of_lens_beside_slope(lens, reach, indentation))
+}
+
+/// The rest: how far the contact reaches relative to the radius of curvature, and how well the rows of a table describe the lens there.
+fn of_lens_beside_slope(
+    lens: &ShapedLens,
+    reach: f64,
+    indentation: f64,
+) -> impl Iterator<Item = Limit> {
+    let ratio = lens.curvature_radius().map(|radius| {
+        let name = "contact_radius_over_lens_radius";
+        Limit::at_most(name, reach / radius, DOUBTFUL_CONTACT)
+    });
+    let profile = lens.profile().filter(|_| indentation > 0.0);
+    let table = profile.map(|profile| {
+        let name = "lens_table_error_over_indentation";
+        let error = profile.interpolation_error(reach);
+        Limit::at_most(name, error / indentation, SMALL)
+    });
+    ratio.into_iter().chain(table)
 }
 
 impl AsperityContact {
@@ -242,13 +257,7 @@ impl AsperityContact {
             let touched = self.asperities.iter().filter(|state| state.radius > 0.0);
             let reaches = touched.map(|state| lens.distance(state.centre) + state.radius);
             let farthest = reaches.fold(0.0, f64::max);
-            let slope = lens.slope_at(farthest);
-            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
-            if let Some(radius) = lens.curvature_radius() {
-                let name = "contact_radius_over_lens_radius";
-                limits.push(Limit::at_most(name, farthest / radius, DOUBTFUL_CONTACT));
-            }
-            limits.extend(of_table(lens, farthest, self.indentation));
+            limits.extend(of_lens(lens, farthest, self.indentation));
         }
         let modulus = array.substrate().young_modulus;
         let touched = || pairs().filter(|(_, state)| state.radius > 0.0);
@@ -304,14 +313,7 @@ impl SurfaceContact {
         let mut limits = Vec::new();
         let lens = system.indenter().lens();
         if let Some(lens) = lens {
-            let reach = self.reach(lens);
-            let slope = lens.slope_at(reach);
-            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
-            if let Some(radius) = lens.curvature_radius() {
-                let name = "contact_radius_over_lens_radius";
-                limits.push(Limit::at_most(name, reach / radius, DOUBTFUL_CONTACT));
-            }
-            limits.extend(of_table(lens, reach, self.indentation));
+            limits.extend(of_lens(lens, self.reach(lens), self.indentation));
         }
         let sphere = lens
             .and_then(ShapedLens::sphere)
@@ -454,21 +456,10 @@ impl FlatContact {
     #[must_use]
     pub fn limits(&self, system: &FlatSystem, range: Option<f64>) -> Vec<Limit> {
         let mut limits = Vec::new();
-        let radius = system.lens().curvature_radius();
+        let (lens, radius) = (system.lens(), system.lens().curvature_radius());
         if !system.is_punch() {
-            let slope = system.lens().slope_at(self.contact_radius);
-            limits.push(Limit::at_most("slope", slope, DOUBTFUL_CONTACT));
+            limits.extend(of_lens(lens, self.contact_radius, self.indentation));
         }
-        if let Some(radius) = radius {
-            let ratio = self.contact_radius / radius;
-            let name = "contact_radius_over_lens_radius";
-            limits.push(Limit::at_most(name, ratio, DOUBTFUL_CONTACT));
-        }
-        limits.extend(of_table(
-            system.lens(),
-            self.contact_radius,
-            self.indentation,
-        ));
         let stress = self.mean_pressure().abs() / system.substrate().young_modulus;
         limits.push(Limit::at_most("contact_stress", stress, LARGEST_STRAIN));
         if let (Some(range), false) = (range, system.adhesion().is_none()) {
