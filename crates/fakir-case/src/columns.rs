@@ -1,5 +1,6 @@
 //! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
+use crate::notation::{Doubt, Evidence, Marks, Notation, number};
 use crate::table_text::{cells, is_statistic, read_table, text_of};
 use crate::unit::{Dimension, parse_quantity};
 use std::f64::consts::PI;
@@ -187,8 +188,7 @@ impl<const N: usize> Columns<N> {
             .peek()
             .map_or(Vec::new(), |(_, line)| cells(line, separator));
         let is_unit = |text: &String| length_unit(without_brackets(text)).is_some();
-        let has_units =
-            units.iter().any(is_unit) && !units.iter().any(|cell| number(cell).is_some());
+        let has_units = units.iter().any(is_unit) && !units.iter().any(|cell| is_number(cell));
         if has_units {
             rows_below.next();
         }
@@ -196,6 +196,12 @@ impl<const N: usize> Columns<N> {
         let places = self
             .places(&headings, units, unit)
             .map_err(|problem| wrong(heading_line, problem))?;
+        let numbers = rows_below.clone().map(|(index, line)| {
+            let row = cells(line, separator);
+            (index, row)
+        });
+        let notation = notation(&places, numbers, separator)
+            .map_err(|(line, problem)| wrong(line, problem))?;
         let (mut rows, mut row_lines) = (Vec::new(), Vec::new());
         for (index, line) in rows_below {
             let mut row = cells(line, separator);
@@ -228,7 +234,7 @@ impl<const N: usize> Columns<N> {
                 if text.is_empty() && column >= self.required {
                     continue;
                 }
-                values[column] = place.value(text).ok_or_else(|| {
+                values[column] = place.value(text, notation).ok_or_else(|| {
                     let unit = match &place.unit[..] {
                         "m" => "of metres".to_owned(),
                         unit => format!("in {unit}"),
@@ -432,8 +438,8 @@ impl<const N: usize> Columns<N> {
 
 impl Place {
     /// Length of a cell, m.
-    fn value(&self, text: &str) -> Option<f64> {
-        let number = number(text)?;
+    fn value(&self, text: &str, notation: Notation) -> Option<f64> {
+        let number = number(text, notation)?;
         let length =
             |number: &str| parse_quantity(&format!("{number} {}", self.unit), Dimension::Length);
         match self.form {
@@ -453,16 +459,46 @@ fn is_row(line: &&str) -> bool {
     !line.is_empty() && !line.starts_with('#')
 }
 
-/// A number in the notation of Rust; it may have a decimal comma.
-fn number(text: &str) -> Option<String> {
-    let plain = match text.matches(',').count() {
-        1 if !text.contains('.') => text.replace(',', "."),
-        _ => text.to_owned(),
-    };
-    plain.parse::<f64>().is_ok().then_some(plain)
+/// Whether a text is a number in any notation.
+fn is_number(text: &str) -> bool {
+    let notations = [Notation::Single, Notation::Point, Notation::Comma];
+    notations.iter().any(|it| number(text, *it).is_some())
 }
 
-fn length_unit(unit: &str) -> Option<f64> {
+/// The notation of the numbers of a table, or the line, from 0, of a number that may be two, and why.
+fn notation<const N: usize>(
+    places: &[Option<Place>; N],
+    rows: impl Iterator<Item = (usize, Vec<String>)>,
+    separator: char,
+) -> Result<Notation, (usize, String)> {
+    let mut evidence = Evidence::default();
+    let used: Vec<usize> = places.iter().flatten().map(|place| place.place).collect();
+    let mut columns: Vec<Marks> = used.iter().map(|_| Marks::new(false)).collect();
+    for (index, row) in rows {
+        for (marks, cell) in columns
+            .iter_mut()
+            .zip(used.iter().map(|place| row.get(*place)))
+        {
+            let Some(cell) = cell else { continue };
+            evidence.add(cell);
+            marks.add(index as u64, cell);
+        }
+        if evidence.is_decided() {
+            break;
+        }
+    }
+    let reading = evidence.notation(&columns, separator);
+    let reading = reading.map_err(|Doubt(column)| {
+        let (line, [text, decimal, whole]) = columns[column].doubtful().unwrap_or_default();
+        let problem = format!(
+            "\"{text}\" may be {decimal} or {whole}, and no other number decides it: write the numbers without separators of thousands"
+        );
+        (line as usize, problem)
+    })?;
+    Ok(reading.notation)
+}
+
+pub(crate) fn length_unit(unit: &str) -> Option<f64> {
     parse_quantity(&format!("1 {unit}"), Dimension::Length).ok()
 }
 
@@ -472,7 +508,7 @@ fn without_brackets(text: &str) -> &str {
 }
 
 /// Name and unit of a heading: `x_um`, `X [um]`, `Area (um^2)`, `x / um`.
-fn split_unit(heading: &str) -> (&str, Option<String>) {
+pub(crate) fn split_unit(heading: &str) -> (&str, Option<String>) {
     for (open, close) in [('[', ']'), ('(', ')')] {
         if let Some((name, unit)) = heading
             .strip_suffix(close)

@@ -489,10 +489,19 @@ impl Stated {
             None => LENGTH_UNITS.to_vec(),
         }
         .into_iter();
-        let unit = units.find(fits).ok_or_else(|| {
+        let Some(unit) = units.find(fits) else {
+            // Columns and rows that are counted have no unit.
+            let is_counted = spacing.iter().all(|step| (step - 1.0).abs() < 1e-9);
+            if self.is_list && is_counted && self.spacing_unit.is_none() {
+                return Ok(cell);
+            }
             let stated = format!("{} (in a unit of length)", significant(spacing[0]));
-            contradiction("a distance of points", stated, shown(cell[0]))
-        })?;
+            return Err(contradiction(
+                "a distance of points",
+                stated,
+                shown(cell[0]),
+            ));
+        };
         Ok(match self.is_list {
             true => spacing.map(|distance| unit * distance),
             false => cell,

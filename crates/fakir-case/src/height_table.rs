@@ -82,14 +82,38 @@ pub enum HeightMapError {
     },
     /// Commas that may be separators or decimal commas.
     #[error(
-        "{file}, line {line}: the commas may separate numbers, or be decimal commas: write \".\" as the decimal point, or separate \
-         the numbers by tabs or semicolons alone"
+        "{file}, line {line}: the commas may separate numbers, be decimal commas or separate thousands: write \".\" as the decimal point, or separate \
+         the numbers by tabs or semicolons alone, and leave out separators of thousands"
     )]
     AmbiguousComma {
         /// The file.
         file: String,
         /// Line, counted from 1.
         line: usize,
+    },
+    /// A mark that may be a decimal one or separate thousands.
+    #[error(
+        "{file}, line {line}: \"{text}\" may be {decimal} or {whole}: write the numbers without separators of thousands"
+    )]
+    Thousands {
+        /// The file.
+        file: String,
+        /// Line, counted from 1.
+        line: u64,
+        /// The number.
+        text: String,
+        /// Its value with a decimal mark.
+        decimal: String,
+        /// Its value with thousands.
+        whole: String,
+    },
+    /// A first row of numbers of columns.
+    #[error(
+        "{file}: the first row is 0, 1, 2 and so on, which are numbers of columns rather than heights: remove it (pandas leaves it out with header=False)"
+    )]
+    NumberedColumns {
+        /// The file.
+        file: String,
     },
     /// A file of another kind.
     #[error("{file} is {format}: {advice}")]

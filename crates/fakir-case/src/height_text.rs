@@ -1,6 +1,8 @@
 //! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the heading of Gwyddion, and lists of points.
 
+use crate::columns::{length_unit, split_unit};
 use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
+use crate::notation::{Evidence, Marks, Notation};
 use crate::unit::{Dimension, parse_quantity};
 use std::io::{BufRead, Read};
 
@@ -12,6 +14,9 @@ const FEWEST_POINTS: usize = 6;
 
 /// Number of rows of three numbers beyond which they are not a map with three columns.
 const FEWEST_ROWS_OF_A_LIST: usize = 100;
+
+/// Number of columns from which a first row of 0, 1, 2 and so on numbers them: in small maps it may be heights.
+const FEWEST_NUMBERED: usize = 8;
 
 /// Coordinates of a list are equal if they differ by at most this fraction of their range.
 const SAME: f64 = 1e-6;
@@ -27,6 +32,9 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         header: EsriHeader::default(),
         stated: Stated::default(),
         commas: Commas::Unknown,
+        point: None,
+        evidence: Evidence::default(),
+        marks: Default::default(),
         columns: 0,
         values: Vec::new(),
         first_missing: None,
@@ -70,6 +78,12 @@ struct Reader<'a> {
     header: EsriHeader,
     stated: Stated,
     commas: Commas,
+    /// First line of a number with a point.
+    point: Option<usize>,
+    /// What numbers show of decimal marks, as long as none has shown it.
+    evidence: Evidence,
+    /// Numbers whose marks may separate thousands: of each column of a list of points, of all columns of a map.
+    marks: [Marks; 3],
     columns: usize,
     values: Vec<f64>,
     first_missing: Option<[usize; 2]>,
@@ -81,6 +95,9 @@ impl Reader<'_> {
         let (content, comment) = text.split_once('#').unwrap_or((text, ""));
         if self.values.is_empty() && content.trim().is_empty() {
             self.stated.take(comment);
+        }
+        if self.values.is_empty() && self.names_points(content) {
+            return Ok(());
         }
         let words = self.words(line, content)?;
         if words.is_empty() || (self.values.is_empty() && self.is_heading(&words)) {
@@ -100,6 +117,16 @@ impl Reader<'_> {
         let points = self.values.len() + words.len();
         self.source
             .check_memory(points as u64, || format!("{points} points or more"))?;
+        if self.point.is_none() && words.iter().any(|word| word.contains('.')) {
+            self.point = Some(line);
+        }
+        if !self.evidence.is_decided() {
+            for (column, word) in words.iter().enumerate() {
+                self.evidence.add(word);
+                let of_list = if self.columns == 3 { column } else { 0 };
+                self.marks[of_list].add(line as u64, word);
+            }
+        }
         for (column, word) in (1..).zip(words) {
             let height = self.height(line, column, word)?;
             self.values.push(height);
@@ -145,15 +172,63 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a line before the heights is a heading: a line of an ESRI header, or names of coordinates.
+    /// Whether a line before the heights is a line of an ESRI header.
     fn is_heading(&mut self, words: &[&str]) -> bool {
-        let names = ["x", "y", "z"];
-        let names_coordinates = words.len() == names.len()
-            && names
+        self.header.take(words)
+    }
+
+    /// Whether a line names coordinates, `x y z` or `X (um), Y (um), Z (nm)`, whose units are kept.
+    fn names_points(&mut self, content: &str) -> bool {
+        let separators: [&[char]; 2] = [&[',', ';', '\t'], &[',', ';', '\t', ' ']];
+        separators.into_iter().any(|between| {
+            let cells = content
+                .split(between)
+                .map(|cell| cell.trim().trim_matches('"'));
+            let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
+            let [x, y, z] = cells[..] else { return false };
+            let [x, y, z] = [x, y, z].map(split_unit);
+            let named = [(&x, "x"), (&y, "y"), (&z, "z")];
+            let unit = |unit: &Option<String>| unit.as_deref().map(length_unit);
+            let units = [&x.1, &y.1, &z.1].map(unit);
+            let is_heading = named
                 .iter()
-                .zip(words)
-                .all(|(name, word)| word.eq_ignore_ascii_case(name));
-        names_coordinates || self.header.take(words)
+                .all(|((name, _), axis)| name.eq_ignore_ascii_case(axis))
+                && units
+                    .iter()
+                    .all(|unit| unit.is_none_or(|known| known.is_some()))
+                && units[0] == units[1];
+            if is_heading {
+                self.stated.spacing_unit = units[0].flatten().or(self.stated.spacing_unit);
+                let height_unit = units[2].flatten().map(HeightUnit::Length);
+                self.stated.height_unit = height_unit.or(self.stated.height_unit.take());
+            }
+            is_heading
+        })
+    }
+
+    /// Refuses numbers whose marks separate thousands, or may do so.
+    fn check_thousands(&self) -> Result<(), HeightMapError> {
+        if let (Commas::Decimal, Some(line)) = (self.commas, self.point) {
+            return Err(self.ambiguous(line));
+        }
+        let separator = match self.commas {
+            Commas::Separators => ',',
+            _ => ';',
+        };
+        let reading = self.evidence.notation(&self.marks, separator);
+        let is_as_read =
+            self.evidence.is_decided() || reading.is_ok_and(|it| it.notation == Notation::Single);
+        let doubtful = self.marks.iter().find_map(Marks::doubtful);
+        match (is_as_read, doubtful) {
+            (false, Some((line, [text, decimal, whole]))) => Err(HeightMapError::Thousands {
+                file: self.source.file.to_owned(),
+                line,
+                text,
+                decimal,
+                whole,
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// A height of the text.
@@ -179,6 +254,7 @@ impl Reader<'_> {
     }
 
     fn table(self) -> Result<Table, HeightMapError> {
+        self.check_thousands()?;
         let Self {
             source,
             header,
@@ -189,6 +265,19 @@ impl Reader<'_> {
             ..
         } = self;
         let rows = values.len().checked_div(columns).unwrap_or(0);
+        let is_numbered = |row: &[f64]| {
+            (0..)
+                .zip(row)
+                .all(|(k, value)| value.to_bits() == f64::from(k).to_bits())
+        };
+        let mut first_rows = values.chunks_exact(columns.max(1));
+        let [first, second] =
+            [first_rows.next(), first_rows.next()].map(|row| row.is_some_and(is_numbered));
+        if columns >= FEWEST_NUMBERED && first && !second {
+            return Err(HeightMapError::NumberedColumns {
+                file: source.file.to_owned(),
+            });
+        }
         let said_columns = header.columns.unwrap_or(columns);
         let said_rows = header.rows.unwrap_or(rows);
         if (said_columns, said_rows) != (columns, rows) {

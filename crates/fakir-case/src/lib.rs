@@ -104,6 +104,7 @@ mod idle;
 pub mod input;
 mod key;
 mod markup;
+pub mod notation;
 mod npy;
 mod npz;
 mod parts;

@@ -225,11 +225,22 @@ mod tests {
     }
 
     #[test]
+    fn separators_of_thousands_that_nothing_shows_are_refused() {
+        let text = "x_nm,y_nm\n\"10,000\",\"0\"\n\"30,000\",\"0\"\n";
+        let error = read(text).unwrap_err().to_string();
+        assert!(
+            error.contains("10.000 or 10000") && error.contains("line 2"),
+            "{error}"
+        );
+    }
+
+    #[test]
     fn tables_of_other_programs() {
         let expected = read("x_m,y_m,diameter_m\n1e-5,0,4e-6\n3e-5,0,6e-6\n").unwrap();
         for text in [
             "id;x [um];y [um];diameter [um]\n1;10,0;0;4,0\n2;30,0;0;\n",
             "# x_um y_um diameter_um\n10 0 4\n30 0 6\n",
+            "x_nm;y_nm;diameter_nm\n10.000;0,0;4.000\n30.000;0,0;6.000\n",
             "X (\u{b5}m)\tY (\u{b5}m)\tRadius (nm)\n10\t0\t2000\n30\t0\t3000\n",
             "Pillar,x,y,d\n,mm,mm,um\n1,0.01,0,4\n2,0.03,0,6\n",
             " ,Label,X [um],Y [um],Diameter [um],Area [um^2],Mean,Circ.\n1,a,10,0,4,1,9,1\n2,b,30,0,6,1,9,1\n",

@@ -200,6 +200,7 @@ fn decimal_commas() {
         ("1,234.5 2,5\n", 1),
         ("0 1\n0,5 1,5\n1,2\n", 3),
         ("1,2\n1,5;2,5\n", 2),
+        ("1,5\t2,5\n1.885\t2.001\n", 2),
     ] {
         let error = read_text(text, &given).expect_err(text);
         assert!(
@@ -207,6 +208,43 @@ fn decimal_commas() {
             "{text}: {error}"
         );
     }
+}
+
+/// A mark before three digits separates thousands beside whole numbers of hundreds, and beside the other decimal mark; otherwise it is a decimal mark.
+#[test]
+fn separators_of_thousands_are_refused() {
+    let given = SCALE.into();
+    for (text, number) in [
+        ("856\t1,885\t911\t870\n", "1,885"),
+        ("856\t1.885\t911\t870\n", "1.885"),
+    ] {
+        let error = read_text(text, &given).expect_err(text).to_string();
+        assert!(error.contains(number), "{text}: {error}");
+        assert!(error.contains("thousands"), "{text}: {error}");
+    }
+    let read = |text: &str| read_text(text, &given).expect(text);
+    let plain = read("1.885 2.001\n3.125 4.250\n");
+    assert_eq!(
+        plain.heights(),
+        read("1,885;2,001\n3,125;4,250\n").heights()
+    );
+    // Places are whole numbers, and heights have three digits.
+    let rows = (0..400).map(|k| format!("{} {} {}\n", k % 20, k / 20, 1.125 + f64::from(k)));
+    read(&rows.collect::<String>());
+}
+
+/// What pandas writes over a table of numbers without names.
+#[test]
+fn numbers_of_columns_are_no_heights() {
+    let given = SCALE.into();
+    let heights = "5,5,5,5,5,5,5,5,5\n".repeat(3);
+    let error = read_text(format!("0,1,2,3,4,5,6,7,8\n{heights}"), &given).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::NumberedColumns { .. }),
+        "{error}"
+    );
+    // A ramp.
+    assert!(read_text("0,1,2,3,4,5,6,7,8\n".repeat(3), &given).is_ok());
 }
 
 /// All points of a grid in any order, with a spacing of 2 um along x and 1 um along y, as in the
@@ -227,6 +265,23 @@ fn lists_of_points() {
     }
     let headed = format!("X Y Z\n{}", points(1.0).join("\n"));
     check(&read_text(headed, &given).unwrap());
+    // With units, which have to agree with what is given.
+    let named = |unit: &str| {
+        format!(
+            "X ({unit}),Y ({unit}),Z (nm)\n{}",
+            points(1.0).join("\n").replace(' ', ",")
+        )
+    };
+    check(&read_text(named("um"), &given).unwrap());
+    let error = read_text(named("mm"), &given).unwrap_err();
+    assert!(
+        matches!(error, HeightMapError::Contradiction { .. }),
+        "{error}"
+    );
+    // Columns and rows that are counted.
+    let counted =
+        (0..12).map(|cell| format!("{} {} {}\n", cell % 4, cell / 4, 10 * (cell / 4) + cell % 4));
+    check(&read_text(counted.collect::<String>(), &given).unwrap());
     // The distance of the outermost points is accepted as the width, as is that of the cells.
     for width in [8.0e-6, 6.0e-6] {
         let scale = GivenScale {

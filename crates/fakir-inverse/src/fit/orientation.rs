@@ -80,8 +80,8 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
 fn pulls_more_before(points: &[[f64; 2]], deepest: f64, offset: f64) -> bool {
     /// Distance from the deepest position, as a fraction of the range.
     const DISTANCE: f64 = 0.1;
-    /// Increase of the force, more than noise and relaxation.
-    const INCREASE: f64 = 1.2;
+    /// Increase of the force beyond noise; a compression is at most 0.9 of its largest there.
+    const INCREASE: f64 = 1.05;
     let range = points[points.len() - 1][0] - points[0][0];
     let (near, far): (Vec<&[f64; 2]>, Vec<&[f64; 2]>) = points
         .iter()

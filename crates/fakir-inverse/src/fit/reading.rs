@@ -297,12 +297,8 @@ impl Reader<'_> {
     /// The error for numbers that may have decimal marks or separators of thousands.
     fn doubt(&self, used: &Used, marks: &Marks, headings: &[String]) -> DataError {
         let heading = &headings[used.place];
-        let (line, text) = match &marks.first {
-            Some((line, text)) => (Some(*line), &text[..]),
-            None => (None, ""),
-        };
-        let whole = text.replace([',', '.'], "");
-        let decimal = text.replace(',', ".");
+        let (line, texts) = marks.doubtful().unzip();
+        let [text, decimal, whole] = texts.unwrap_or_default();
         let quantity = used.column.quantity();
         let thousands = match marks.has_plain_below_thousand() {
             true => String::new(),

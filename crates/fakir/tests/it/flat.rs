@@ -140,6 +140,29 @@ fn a_table_of_heights_is_its_lens() {
     );
 }
 
+/// Sneddon (1965) for `f = c r^n`: `zeta = n c a^n I` and `F = 2 E* a zeta n/(n + 1)`, `I` the integral of `sin^(n-1)` over a quarter: pi/4 for
+/// `n = 3`, 2/3 for 4. These lenses have no radius of curvature on the axis.
+#[test]
+fn power_laws_that_are_flat_on_the_axis_are_sneddon() {
+    for (power, integral) in [(3, 0.25 * PI), (4, 2.0 / 3.0)] {
+        let height = |r: f64| 2e-6 * (r / 100e-6).powi(power);
+        let radii: Vec<f64> = (0..=100).map(|k| 2e-6 * f64::from(k)).collect();
+        let heights = radii.iter().map(|r| height(*r)).collect();
+        let table = LensProfile::new(radii, heights).unwrap();
+        let lens = ShapedLens::new(LensShape::Profile(Arc::new(table)), RUBBER);
+        let system = FlatSystem::new(lens, RUBBER).unwrap();
+        let (order, a) = (f64::from(power), 60e-6);
+        let depth = order * height(a) * integral;
+        let force = 2.0 * system.reduced_modulus() * a * depth * order / (order + 1.0);
+        for load in [Load::Indentation(depth), Load::Force(force)] {
+            let contact = pressed(&system, load);
+            close(contact.indentation, depth, 1e-6);
+            close(contact.force, force, 1e-6);
+            close(contact.contact_radius, a, 1e-6);
+        }
+    }
+}
+
 /// Johnson, Kendall and Roberts (1971): [`adhesive_sphere`] has their closed form.
 #[test]
 fn adhesive_contacts_are_jkr() {
