@@ -71,8 +71,8 @@ class AsperityArray(Viscoelastic):
     Nine asperities under a glass plate:
 
     >>> x, y = np.meshgrid([-1e-3, 0.0, 1e-3], [-1e-3, 0.0, 1e-3])
-    >>> rubber, glass = Substrate("1.5 MPa", 0.5), Plate("70 GPa", 0.22)
-    >>> tops = AsperityArray(x, y, 100e-6, "500 um", glass, rubber)
+    >>> rubber, glass = fakir.Substrate("1.5 MPa", 0.5), fakir.bem.Plate("70 GPa", 0.22)
+    >>> tops = fakir.AsperityArray(x, y, 100e-6, "500 um", glass, rubber)
     >>> contact = tops.press(force="10 mN")
     >>> contact.pillars_in_contact
     9
@@ -684,8 +684,8 @@ def design_heights(
     Examples
     --------
     >>> x, y = np.meshgrid(1.5e-3 * np.arange(3.0), 1.5e-3 * np.arange(3.0))
-    >>> tops = AsperityArray(x, y, 200e-6, "526 um", Plate("70 GPa", 0.22), Substrate("1.5 MPa", 0.5))
-    >>> found = design_heights(tops, force=[2e-3, 4e-3, 6e-3], area=[1.2e-8, 2.4e-8, 3.6e-8])
+    >>> tops = fakir.AsperityArray(x, y, 200e-6, "526 um", fakir.bem.Plate("70 GPa", 0.22), fakir.Substrate("1.5 MPa", 0.5))
+    >>> found = fakir.design_heights(tops, force=[2e-3, 4e-3, 6e-3], area=[2.1e-8, 3.8e-8, 5.4e-8])
     >>> found.found
     True
     """

@@ -211,9 +211,9 @@ class CylinderLens(RoundLens):
 
     Examples
     --------
-    >>> pattern = SquarePattern("6 um", "2.2 um", pitch="20 um", columns=9)
-    >>> rubber = Substrate("2 MPa", 0.5)
-    >>> system = System(CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, pattern)
+    >>> pattern = fakir.SquarePattern("6 um", "2.2 um", pitch="20 um", columns=9)
+    >>> rubber = fakir.Substrate("2 MPa", 0.5)
+    >>> system = fakir.System(fakir.CylinderLens("2.2 mm", "2 MPa", 0.5, angle="90 deg"), rubber, pattern)
     >>> len(system.press(indentation="0.2 um").pillars)
     27
     """
@@ -383,9 +383,9 @@ class Substrate(_Body):
 
     Examples
     --------
-    >>> film = Substrate("2 MPa", 0.5, thickness="0.2 mm")
-    >>> pattern = HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1)
-    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), film, pattern)
+    >>> film = fakir.Substrate("2 MPa", 0.5, thickness="0.2 mm")
+    >>> pattern = fakir.HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1)
+    >>> system = fakir.System(fakir.Lens("2.2 mm", "2 MPa", 0.5), film, pattern)
     >>> round(1e6 * system.transition().indentation, 3)
     10.566
     """
@@ -553,10 +553,10 @@ class HexagonalPattern(LatticePattern):
 class SquarePattern(LatticePattern):
     """Cylindrical pillars on a square lattice with its rows along x and y; parameters as `HexagonalPattern`.
 
-    >>> pattern = SquarePattern("6 um", "2.2 um", surface_fraction=0.03)
-    >>> system = System(Lens("2.2 mm", "1.5 MPa", 0.5), Substrate("1.5 MPa", 0.5), pattern)
+    >>> pattern = fakir.SquarePattern("6 um", "2.2 um", surface_fraction=0.03)
+    >>> system = fakir.System(fakir.Lens("2.2 mm", "1.5 MPa", 0.5), fakir.Substrate("1.5 MPa", 0.5), pattern)
     >>> round(1e6 * system.transition().force)
-    428
+    285
     """
 
     _lattice = "square"
@@ -647,8 +647,8 @@ class Pillars:
     --------
     Three pillars, one of which is lower:
 
-    >>> pillars = Pillars([0.0, 20e-6, 0.0], [0.0, 0.0, 20e-6], [2.2e-6, 2.2e-6, 2e-6], 6e-6)
-    >>> system = System(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), pillars)
+    >>> pillars = fakir.Pillars([0.0, 20e-6, 0.0], [0.0, 0.0, 20e-6], [2.2e-6, 2.2e-6, 2e-6], 6e-6)
+    >>> system = fakir.System(fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), pillars)
     >>> len(system.press(indentation="0.2 um").pillars)
     2
     """

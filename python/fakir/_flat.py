@@ -51,7 +51,7 @@ class FlatSystem(Viscoelastic, Shown):
 
     Examples
     --------
-    >>> system = FlatSystem(Lens("2.2 mm", "2 MPa", 0.5), Substrate("2 MPa", 0.5), adhesion="50 mJ/m2")
+    >>> system = fakir.FlatSystem(fakir.Lens("2.2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), adhesion="50 mJ/m2")
     >>> round(1e6 * system.cycle(to="5 um").pull_off_force)  # -(3/2) pi w R
     -518
     """

@@ -30,7 +30,7 @@ class Relaxation(Shown):
 
     Examples
     --------
-    >>> Relaxation([1.0, 0.5], ["10 s", "2 min"]).modulus(0.0)
+    >>> fakir.Relaxation([1.0, 0.5], ["10 s", "2 min"]).modulus(0.0)
     2.5
     """
 

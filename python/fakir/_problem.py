@@ -62,8 +62,8 @@ def problem(
     Examples
     --------
     >>> rubber = {"young_modulus": "2 MPa", "poisson_ratio": 0.5}
-    >>> lens, substrate = Lens("2.2 mm", **rubber), Substrate(**rubber)
-    >>> flat = problem(lens, substrate, np.zeros((64, 64)), cell_size="1 um")
+    >>> lens, substrate = fakir.Lens("2.2 mm", **rubber), fakir.Substrate(**rubber)
+    >>> flat = fakir.problem(lens, substrate, np.zeros((64, 64)), cell_size="1 um")
     >>> round(1e6 * flat.press(indentation="0.1 um").force, 1)
     2.6
     """

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _fakir
+from ._bodies import CylinderLens, PlateLens
 from ._floor import FloorContact
 from ._format import Row, engineering, known_digits, remark
 from ._numbers import PressNumbers, TransitionNumbers
@@ -288,13 +289,12 @@ def contact_state(state: _fakir.State, system: System) -> ContactState:
     warn(contact.warnings)
     if contact._ignores_floor:
         method = contact.method
-        advice = "" if method == "spectral" else f"; the method {method} does not compute the load of the floor"
-        warn(
-            [
-                "past the transition: this contact is computed as if the floor were not there "
-                f"(System.transition gives the critical load{advice})"
-            ]
-        )
+        advice = [] if method == "spectral" else [f"the method {method} does not compute the load of the floor"]
+        # The transition of a cylinder or a plate is not computed.
+        if not isinstance(system.lens, (CylinderLens, PlateLens)):
+            advice.insert(0, "System.transition gives the critical load")
+        words = f" ({'; '.join(advice)})" if advice else ""
+        warn([f"past the transition: this contact is computed as if the floor were not there{words}"])
     if not contact.converged:
         raise NotConverged(f"the solution {contact.termination}", contact)
     return contact

@@ -63,10 +63,10 @@ class System(Viscoelastic, Shown):
     Examples
     --------
     >>> from fakir import Lens
-    >>> system = System(
-    ...     Lens("2.2 mm", "2 MPa", 0.5),
-    ...     Substrate("2 MPa", 0.5),
-    ...     HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1),
+    >>> system = fakir.System(
+    ...     fakir.Lens("2.2 mm", "2 MPa", 0.5),
+    ...     fakir.Substrate("2 MPa", 0.5),
+    ...     fakir.HexagonalPattern("6 um", "2.2 um", surface_fraction=0.1),
     ... )
     >>> round(1e3 * system.transition().force, 3)
     4.448

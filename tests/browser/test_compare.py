@@ -43,6 +43,18 @@ def test_a_case_stays_beside_the_next_one(explore):
     assert page.page.locator("#loading path.pinned-path").count() == 0
 
 
+def test_a_case_that_changes_at_once_is_not_the_pinned_one(explore):
+    """The curve of the first case is not complete when the radius changes; the case that was shown is the one that stays."""
+    page = explore("#" + "&".join(paper(0.01)))
+    page.page.click("#compare-button")
+    page.enter("lens.radius", "1 mm")
+    page.until("!document.getElementById('compare').hidden")
+    page.rest()
+    page.until("document.querySelector('#comparison.older') === null")
+    radius = next(cells for name, cells in rows(page).items() if name.startswith("radius"))
+    assert radius == ["2.2 mm", "1 mm", ""]
+
+
 def test_a_link_opens_both_cases(explore):
     page = explore("#" + "&".join([*paper(0.01), "load=0.6"]))
     pin(page)

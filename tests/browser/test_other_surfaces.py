@@ -108,6 +108,15 @@ def test_cylinder_and_plate_on_a_finite_array(explore):
     assert not is_hidden(explorer, "critical")
 
 
+def test_a_cylinder_on_a_flat_surface_has_no_force(explore):
+    explorer = explore()
+    explorer.page.locator("#flat-reference").click()
+    explorer.rest()
+    explorer.page.locator("#lens-shape").select_option("cylinder")
+    explorer.until("!document.getElementById('problem').hidden")
+    assert "no finite force" in explorer.text("problem")
+
+
 def test_files_of_rounded_tops_are_saved(explore):
     explorer = rounded(explore)
     explorer.page.locator("#export-menu summary").click()

@@ -24,10 +24,25 @@ export function compare(store) {
     if (pinned !== null || pinning !== null) store.unpin();
     else store.pinWhenComplete(null);
   });
+  /**
+   * The state of the case that is to be pinned, while its curve is being computed.
+   * @type {State | null}
+   */
+  let waiting = null;
   const follow = () => {
-    const { pinning } = store.state;
-    if (pinning === null || !isComplete(store.state)) return;
-    store.pin();
+    const { pinning, question } = store.state;
+    const before = waiting;
+    waiting = pinning === null ? null : store.state;
+    if (pinning === null) return;
+    if (before !== null && before.question.name !== question.name) {
+      // The case changed before its curve was complete: it is pinned with what is known of it.
+      waiting = null;
+      if (isBusy(before)) store.unpin();
+      else store.pin({ ...before, phase: before.phase?.of.name === before.question.name ? before.phase : null });
+      return;
+    }
+    if (!isComplete(store.state)) return;
+    store.pin(store.state);
     if (pinning.then !== null) store.choose(pinning.then, performance.now());
   };
   store.listen(follow);

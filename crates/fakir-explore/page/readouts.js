@@ -25,7 +25,7 @@ import {
 /**
  * @import {
  *   CycleError, CycleStation, ExpectedCells, AdhesiveFloor, FloorSummary, FrictionSummary, Limit, Progress, SolvedCycle, StationState,
- *   TransitionSummary,
+ *   TransitionSummary, Value,
  * } from "./engine.js"
  * @import { Dimension } from "./numbers.js"
  * @import { Estimate, Question, State } from "./store.js"
@@ -179,12 +179,19 @@ const WHY =
   "small strains of the column model end";
 
 /**
- * Whether the case that is shown is the intermediate case of the paper.
+ * Whether the case that is shown is the intermediate case of the paper, and nothing else.
  * @param {State} state
  * @returns {boolean}
  */
 function isPaper({ start, solved }) {
-  return Object.entries(start.paper).every(([key, value]) => solved?.of.case[key] === value);
+  const shown = solved?.of.case;
+  if (shown === undefined) return false;
+  const isUnset = /** @type {(value: Value | undefined) => boolean} */ ((value) => value === undefined || value === "");
+  const others = start.keys.filter(({ key }) => start.paper[key] === undefined);
+  return (
+    Object.entries(start.paper).every(([key, value]) => shown[key] === value) &&
+    others.every(({ key, default: usual }) => isUnset(shown[key]) || shown[key] === usual)
+  );
 }
 
 /**

@@ -349,7 +349,7 @@ export class Store {
     if (key === SHAPE && !WITHOUT_AXIS.includes(String(value))) values[RADIUS] ??= this.#state.start.paper[RADIUS] ?? 1e-3;
     if (key === SHAPE && value === "cylinder") values[RADIUS] ??= this.#state.start.paper[RADIUS] ?? 1e-3;
     const isFinite = isRounded(values) || WITHOUT_AXIS.includes(String(values[SHAPE]));
-    if ((key === TOP_RADIUS || key === SHAPE) && isFinite && values[PILLARS] === undefined) values[COLUMNS] ??= FEW_COLUMNS;
+    if ((key === TOP_RADIUS || key === SHAPE) && isFinite && !isFlat(values) && values[PILLARS] === undefined) values[COLUMNS] ??= FEW_COLUMNS;
     const wasAdded = values[COLUMNS] === FEW_COLUMNS && this.#state.start.case[COLUMNS] === undefined;
     if ((key === TOP_RADIUS || key === SHAPE) && !isFinite && wasAdded) delete values[COLUMNS];
     if (key === LATTICE) Object.assign(values, spacingOn(String(value), this.#state.chosen.case));
@@ -451,9 +451,12 @@ export class Store {
     this.#change({ pinning: { then }, pinned: null });
   }
 
-  /** Keeps the present state beside those that follow. */
-  pin() {
-    this.#change({ pinning: null, pinned: { ...this.#state, pinned: null, pinning: null } });
+  /**
+   * Keeps a state beside those that follow.
+   * @param {State} state
+   */
+  pin(state) {
+    this.#change({ pinning: null, pinned: { ...state, pinned: null, pinning: null } });
   }
 
   /** Removes the pinned case. */

@@ -6,17 +6,23 @@ use super::{
 };
 use fakir::numerics::convergence::larger;
 use fakir::state::Termination;
+use fakir_case::SurfaceKind;
 use fakir_case::unit::{Dimension, format_quantity};
 use fakir_study::record::LimitObject;
 use fakir_study::{Column, Table, VERSION, Values};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-/// Advice for the use of states past the transition.
-const WITH_FLOOR: &str = "the method spectral uses them, unless the case has floor.contact = false";
+/// Why states past the transition are left out, and what uses them.
+const WITH_FLOOR: &str = "past the transition, where the lens touches the floor, and left out: the method spectral uses them, unless the case has \
+    floor.contact = false";
 
 /// The same with adhesion.
-const WITH_ADHESION: &str = "with adhesion the loading ends where the lens reaches the floor, and the unloading is that from there";
+const WITH_ADHESION: &str = "past the transition, where the lens touches the floor, and left out: with adhesion the loading ends there, and the unloading \
+    is that from there";
+
+/// Why states on a flat surface are left out.
+const DEEPER: &str = "deeper than the loading that could be solved, and left out: check the sign of the forces and the contact point";
 
 /// Force of the first row, relative to the largest, from which the history before it matters.
 const EARLY: f64 = 0.05;
@@ -95,20 +101,16 @@ impl Fit {
             .past_transition()
             .map(|row| row.measurement.line.to_string())
             .collect();
-        let why = if self.cycle.is_some() {
-            WITH_ADHESION
-        } else {
-            WITH_FLOOR
+        let why = match (self.file.surface_kind(), &self.cycle) {
+            (SurfaceKind::Flat, _) => DEEPER,
+            (_, Some(_)) => WITH_ADHESION,
+            (_, None) => WITH_FLOOR,
         };
         match &out[..] {
             [] => {}
-            [line] => warnings.push(format!(
-                "1 state (line {line}) is past the transition, where the lens touches the floor, and \
-                 left out: {why}"
-            )),
+            [line] => warnings.push(format!("1 state (line {line}) is {why}")),
             [first, .., last] => warnings.push(format!(
-                "{} states (lines {first} to {last}) are past the transition, where the lens touches \
-                 the floor, and left out: {why}",
+                "{} states (lines {first} to {last}) are {why}",
                 out.len()
             )),
         }

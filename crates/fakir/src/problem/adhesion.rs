@@ -74,6 +74,15 @@ impl Adhesion {
         self.work_receding.unwrap_or(self.work)
     }
 
+    /// The same with all works of adhesion multiplied by a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Self {
+            work: factor * self.work,
+            work_receding: self.work_receding.map(|work| factor * work),
+            ..self
+        }
+    }
+
     /// Whether there is no adhesion.
     #[must_use]
     pub fn is_none(self) -> bool {

@@ -229,7 +229,22 @@ mod tests {
             let found = verified(&system, load);
             assert_eq!(found.verdict(), Verdict::Agree, "{load:?}");
             for difference in [found.force, found.indentation, found.area] {
-                assert!(difference.allowed < 0.25, "{difference:?}");
+                // A tenth of the work of adhesion, by which fronts on cells may be off, changes the force of a gentle contact by up to a quarter.
+                assert!(difference.allowed < 0.35, "{load:?}: {difference:?}");
+            }
+        }
+    }
+
+    /// The contact on small cells is 5 % too wide in area, whatever their size: its error covers the force of Johnson, Kendall and Roberts all the same.
+    #[test]
+    fn errors_with_adhesion_cover_on_small_cells() {
+        let adhesive = sphere().with_adhesion(Adhesion::new(50e-3)).unwrap();
+        for indentation in [0.1e-6, 0.5e-6] {
+            let load = Load::Indentation(indentation);
+            let found = verify_flat(&adhesive, load, 128, &Run::default()).unwrap();
+            for difference in [found.force, found.area] {
+                let Difference { relative, allowed } = difference;
+                assert!(relative < allowed && allowed < 0.4, "{difference:?}");
             }
         }
     }
