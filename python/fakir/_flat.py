@@ -116,6 +116,15 @@ class FlatSystem(Viscoelastic, Shown):
         """The same system with other values: ``system.replace({"lens.radius": "1 mm"})``."""
         return self._of(self._flat.with_settings(settings(overrides)))
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FlatSystem) and self.to_toml() == other.to_toml()
+
+    def __hash__(self) -> int:
+        return hash(self.to_toml())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return FlatSystem.from_toml, (self.to_toml(),)
+
     def _problem(self) -> _fakir.Flat:
         return self._flat
 

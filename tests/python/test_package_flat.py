@@ -2,6 +2,7 @@
 
 import math
 import os
+import pickle
 import subprocess
 
 import numpy as np
@@ -16,6 +17,13 @@ RUBBER = fakir.Substrate("2 MPa", 0.5)
 
 def lens(kind=fakir.Lens):
     return kind(RADIUS, "70 GPa", 0.22)
+
+
+def test_systems_are_sent_to_other_processes():
+    system = fakir.FlatSystem(lens(), RUBBER, adhesion=WORK)
+    copy = pickle.loads(pickle.dumps(system))
+    assert copy == system and hash(copy) == hash(system)
+    assert copy != system.replace({"lens.radius": "1 mm"})
 
 
 def test_a_paraboloid_is_hertz():

@@ -1,5 +1,6 @@
 """Fits and designs on height maps: pillars of square cross-section on cells of boundary elements."""
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,15 @@ from fakir.bem import Surface
 
 CASE = Path(__file__).parents[2] / "examples" / "square-pillars.toml"
 COARSE = {"surface.grid.cells_per_diameter": 5}
+
+
+def test_surfaces_of_case_files_are_sent_to_other_processes():
+    surface = fakir.read_case(CASE, COARSE)
+    copy = pickle.loads(pickle.dumps(surface))
+    assert copy.to_toml() == surface.to_toml() and np.array_equal(copy.heights, surface.heights)
+    made = Surface(np.zeros((16, 16)), fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), cell_size="1 um")
+    with pytest.raises(TypeError, match="made of an array"):
+        pickle.dumps(made)
 
 
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")

@@ -59,7 +59,7 @@ export function sceneOf(state) {
     statuses: state.pillar_statuses,
     contacts: state.contacts_m ?? [],
     parts: [],
-    pull_N: state.pillar_forces_N.reduce((least, force) => Math.min(least, force), 0),
+    pull_N: pullOf(state.pillar_forces_N),
     floor_contacts_m: state.floor_contacts_m,
     floor: state.floor,
     floorIsOlder: false,
@@ -72,6 +72,17 @@ export function sceneOf(state) {
         ? ""
         : `; the floor is in contact within ${engineeringText(summary.floor.radius_m, "length", 3)}`),
   };
+}
+
+/**
+ * The largest tension of a pillar, negative; 0 where it is only the rounding of a force that vanishes.
+ * @param {readonly number[]} forces
+ * @returns {number}
+ */
+function pullOf(forces) {
+  const least = forces.reduce((least, force) => Math.min(least, force), 0);
+  const most = forces.reduce((most, force) => Math.max(most, Math.abs(force)), 0);
+  return least < -1e-12 * most ? least : 0;
 }
 
 /**

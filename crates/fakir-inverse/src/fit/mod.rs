@@ -413,6 +413,9 @@ fn fit_with(
     Ok(fitted)
 }
 
+/// Smallest number of starts with a free contact point and a free slope of the force.
+const STARTS_OF_SLOPES: usize = 4;
+
 impl<'a> Model<'a> {
     /// Runs a search from each start; returns the best one and all starts.
     fn best<'m>(
@@ -428,7 +431,12 @@ impl<'a> Model<'a> {
         let (mut search, mut termination) = self.search(begin.clone(), run, direct)?;
         let mut starts = vec![search.started(termination)];
         let mut answer = 0;
-        for number in 1..options.starts {
+        // A tilted base line and the first part of the contact look alike, so that one start often ends in a wrong one of the two.
+        let is_tilted = [Parameter::ContactPoint, Parameter::ForceSlope]
+            .iter()
+            .all(|parameter| self.free.contains(parameter));
+        let least = if is_tilted { STARTS_OF_SLOPES } else { 1 };
+        for number in 1..options.starts.max(least) {
             match self.search(self.other_start(&begin, number), run, direct) {
                 Ok((other, ended)) => {
                     let started = other.started(ended);

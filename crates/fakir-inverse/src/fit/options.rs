@@ -19,6 +19,6 @@ pub struct FitOptions {
     pub force_drift: f64,
     /// Slope of the reading without any force over the displacement from the first row on, N/m: value or initial value.
     pub force_slope: f64,
-    /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1.
+    /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1. At least four if contact point and slope of the force are free.
     pub starts: usize,
 }

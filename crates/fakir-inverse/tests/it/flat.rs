@@ -440,3 +440,41 @@ fn parameters_that_a_flat_surface_does_not_have_are_refused() {
     let refused = fit(&begin, &data, &[RECEDING], &FitOptions::default(), &run).unwrap_err();
     assert!(matches!(refused, FitError::NoUnloading { .. }));
 }
+
+/// A base line with an offset and a slope below Hertz's `4/3 E* sqrt(R) d^(3/2)`. From the case alone the search ended at 1.97 MPa and -125 N/m.
+#[test]
+fn an_offset_and_a_slope_are_found_from_other_starts() {
+    const SLOPE: f64 = 30.0; // N/m
+    let [radius, point]: [f64; 2] = [1e-3, 3e-6];
+    let places: Vec<f64> = (0..80).map(|k| 1e-6 + 0.152e-6 * f64::from(k)).collect();
+    let force = |place: &f64| {
+        let depth = (place - point).max(0.0);
+        let elastic = 4.0 / 3.0 * 2e6 * radius.sqrt() * depth.powf(1.5);
+        0.5e-3 + SLOPE * (place - places[0]) + elastic
+    };
+    let columns = [
+        (Column::Force, places.iter().map(force).collect()),
+        (Column::Displacement, places.clone()),
+    ];
+    let data = noisy(&columns, 7, 2e-6);
+    // Rigid, so that E* is that of the substrate, 1.5 MPa/(1 - 1/4).
+    let file = file(&[
+        "lens.radius=1mm",
+        "lens.young_modulus=1e6GPa",
+        "substrate.young_modulus=2MPa",
+    ]);
+    let found = fitted(
+        &file,
+        &data,
+        &[SUBSTRATE, POINT, OFFSET, Parameter::ForceSlope],
+    );
+    assert!(found.starts.len() > 1);
+    let expected = [1.5e6, point, 0.5e-3, SLOPE];
+    for (estimate, expected) in found.estimates.iter().zip(expected) {
+        let error = estimate.standard_error.unwrap();
+        assert!(
+            (estimate.value - expected).abs() < 4.0 * error,
+            "{estimate:?}"
+        );
+    }
+}
