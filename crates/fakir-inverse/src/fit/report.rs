@@ -47,6 +47,26 @@ impl Fit {
         self.misfit.statement(value_words)
     }
 
+    /// Warnings about quantities whose residuals are as large as their computed values: errors estimated from them hide what no test of residuals sees.
+    fn strangers(&self) -> Vec<String> {
+        /// Fraction of the largest computed value.
+        const PART: f64 = 0.5;
+        let is_strange = |scatter: &&Scatter| {
+            let computed = self.rows.iter().filter(|row| row.used);
+            let computed = computed.filter_map(|row| row.compared(scatter.quantity));
+            let largest = computed.fold(0.0, |most, it| larger(most, it.computed.abs()));
+            scatter.values > 2 && scatter.estimated.is_some() && scatter.residual > PART * largest
+        };
+        let strange = self.scatter.iter().filter(is_strange);
+        let words = strange.map(|scatter| {
+            format!(
+                "the residuals of the {} are as large as its computed values: is its column another quantity, or in another unit?",
+                scatter.quantity.name()
+            )
+        });
+        words.collect()
+    }
+
     /// Warning if the error of the computed curve of a height map is larger than the standard error of a modulus, which does not contain it, or unknown.
     fn error_of_cells(&self) -> Option<String> {
         if !self.file.is_surface() {
@@ -146,6 +166,7 @@ impl Fit {
             warnings.push(format!("the fit {}", self.termination.description()));
         }
         warnings.extend(self.misfit_statement());
+        warnings.extend(self.strangers());
         warnings.extend(self.rate.as_ref().and_then(RateTest::statement));
         if !self.is_viscoelastic && matches!(self.file.relaxation(), Ok(Some(_))) {
             warnings.push(

@@ -478,3 +478,21 @@ fn an_offset_and_a_slope_are_found_from_other_starts() {
         );
     }
 }
+
+/// The radius of the tip in a column of contact radii: the forces alone determine the modulus, and errors that are estimated from the residuals hide it.
+#[test]
+fn a_column_of_another_quantity_is_noticed() {
+    let places: Vec<f64> = (0..40).map(|k| 0.2e-6 * f64::from(k)).collect();
+    let force = |depth: &f64| 4.0 / 3.0 * reduced(TRUE_MODULUS) * RADIUS.sqrt() * depth.powf(1.5);
+    let columns = [
+        (Column::Force, places.iter().map(force).collect()),
+        (Column::Displacement, places.clone()),
+        (Column::ContactRadius, vec![RADIUS; places.len()]),
+    ];
+    let found = fitted(&file(&[]), &noisy(&columns, 3, 1e-6), &[SUBSTRATE]);
+    let warnings = found.warnings();
+    assert!(
+        warnings.iter().any(|it| it.contains("another quantity")),
+        "{warnings:?}"
+    );
+}
