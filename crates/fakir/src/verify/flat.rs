@@ -229,7 +229,7 @@ mod tests {
             let found = verified(&system, load);
             assert_eq!(found.verdict(), Verdict::Agree, "{load:?}");
             for difference in [found.force, found.indentation, found.area] {
-                // A tenth of the work of adhesion, by which fronts on cells may be off, changes the force of a gentle contact by up to a quarter.
+                // An eighth of the work of adhesion, by which fronts on cells may be off, changes the force of a gentle contact by up to a quarter.
                 assert!(difference.allowed < 0.35, "{load:?}: {difference:?}");
             }
         }
