@@ -135,8 +135,9 @@ def test_a_second_method():
     with pytest.raises(ValueError, match="give 16 to 1024"):
         one.verify(force="1 mN", cells_per_diameter=8)
     adhesive = fakir.AsperityArray(0.0, 0.0, "200 um", "526 um", GLASS, RUBBER, adhesion="50 mJ/m2")
-    jkr = adhesive.verify(indentation="1 um", cells_per_diameter=32)
-    assert jkr.agrees and abs(jkr.force.relative) < 0.1 and jkr.discs.force < 0.9 * one.press(indentation="1 um").force
+    # Where the lens presses: in gentler contacts the force is a small difference, of which few cells leave no digit.
+    jkr = adhesive.verify(indentation="3 um", cells_per_diameter=32)
+    assert jkr.agrees and abs(jkr.force.relative) < 0.1 and jkr.discs.force < 0.9 * one.press(indentation="3 um").force
 
 
 def test_fields_of_one_top_are_those_of_hertz():
