@@ -101,7 +101,7 @@ def test_versions_lead_to_each_other(visit):
 
 
 @needs_site
-@pytest.mark.parametrize("word, page", [("pull-off", "experimenters"), ("offset_angle", "reference/keys")])
+@pytest.mark.parametrize("word, page", [("pull-off", "howto/pull-off"), ("offset_angle", "reference/keys")])
 def test_the_search_of_the_manual_finds(visit, served, word, page):
     tab, _ = visit
     tab.get_by_role("link", name="Manual", exact=True).click()
