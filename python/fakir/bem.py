@@ -213,9 +213,10 @@ class Surface(Viscoelastic):
         return text
 
     def __reduce__(self) -> tuple[Any, ...]:
-        if self._surface.to_toml() is None:
+        text = self._surface.to_toml()
+        if text is None:
             raise TypeError("a Surface made of an array cannot be copied or sent to another process: send the array, and make the Surface there")
-        return Surface.from_toml, (self.to_toml(),)
+        return Surface.from_toml, (text,)
 
     def _problem(self) -> _fakir.Surface:
         return self._surface

@@ -1,6 +1,6 @@
 //! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
-use crate::notation::{Doubt, Evidence, Marks, Notation, number};
+use crate::notation::{Doubt, Evidence, Marks, Notation, is_number, number};
 use crate::table_text::{cells, is_statistic, read_table, text_of};
 use crate::unit::{Dimension, parse_quantity};
 use std::f64::consts::PI;
@@ -196,10 +196,8 @@ impl<const N: usize> Columns<N> {
         let places = self
             .places(&headings, units, unit)
             .map_err(|problem| wrong(heading_line, problem))?;
-        let numbers = rows_below.clone().map(|(index, line)| {
-            let row = cells(line, separator);
-            (index, row)
-        });
+        let numbers = rows_below.clone();
+        let numbers = numbers.map(|(index, line)| (index, cells(line, separator)));
         let notation = notation(&places, numbers, separator)
             .map_err(|(line, problem)| wrong(line, problem))?;
         let (mut rows, mut row_lines) = (Vec::new(), Vec::new());
@@ -459,12 +457,6 @@ fn is_row(line: &&str) -> bool {
     !line.is_empty() && !line.starts_with('#')
 }
 
-/// Whether a text is a number in any notation.
-fn is_number(text: &str) -> bool {
-    let notations = [Notation::Single, Notation::Point, Notation::Comma];
-    notations.iter().any(|it| number(text, *it).is_some())
-}
-
 /// The notation of the numbers of a table, or the line, from 0, of a number that may be two, and why.
 fn notation<const N: usize>(
     places: &[Option<Place>; N],
@@ -475,11 +467,10 @@ fn notation<const N: usize>(
     let used: Vec<usize> = places.iter().flatten().map(|place| place.place).collect();
     let mut columns: Vec<Marks> = used.iter().map(|_| Marks::new(false)).collect();
     for (index, row) in rows {
-        for (marks, cell) in columns
-            .iter_mut()
-            .zip(used.iter().map(|place| row.get(*place)))
-        {
-            let Some(cell) = cell else { continue };
+        for (marks, place) in columns.iter_mut().zip(&used) {
+            let Some(cell) = row.get(*place) else {
+                continue;
+            };
             evidence.add(cell);
             marks.add(index as u64, cell);
         }
@@ -487,15 +478,16 @@ fn notation<const N: usize>(
             break;
         }
     }
-    let reading = evidence.notation(&columns, separator);
-    let reading = reading.map_err(|Doubt(column)| {
-        let (line, [text, decimal, whole]) = columns[column].doubtful().unwrap_or_default();
-        let problem = format!(
-            "\"{text}\" may be {decimal} or {whole}, and no other number decides it: write the numbers without separators of thousands"
-        );
-        (line as usize, problem)
-    })?;
-    Ok(reading.notation)
+    match evidence.notation(&columns, separator) {
+        Ok(reading) => Ok(reading.notation),
+        Err(Doubt(column)) => {
+            let found = columns[column].doubtful().unwrap_or_default();
+            let problem = format!(
+                "{found}, and no other number decides it: write the numbers without separators of thousands"
+            );
+            Err((found.line as usize, problem))
+        }
+    }
 }
 
 pub(crate) fn length_unit(unit: &str) -> Option<f64> {

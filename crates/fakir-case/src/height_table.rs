@@ -1,5 +1,6 @@
 //! Heights as they are in a file, and errors of reading them.
 
+use crate::notation::Ambiguous;
 use fakir::problem::{InvalidGrid, InvalidHeightMap};
 use std::io;
 
@@ -93,19 +94,13 @@ pub enum HeightMapError {
     },
     /// A mark that may be a decimal one or separate thousands.
     #[error(
-        "{file}, line {line}: \"{text}\" may be {decimal} or {whole}: write the numbers without separators of thousands"
+        "{file}, line {}: {number}: write the numbers without separators of thousands", .number.line
     )]
     Thousands {
         /// The file.
         file: String,
-        /// Line, counted from 1.
-        line: u64,
-        /// The number.
-        text: String,
-        /// Its value with a decimal mark.
-        decimal: String,
-        /// Its value with thousands.
-        whole: String,
+        /// The number, and its line, counted from 1.
+        number: Ambiguous,
     },
     /// A first row of numbers of columns.
     #[error(

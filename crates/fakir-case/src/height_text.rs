@@ -100,7 +100,7 @@ impl Reader<'_> {
             return Ok(());
         }
         let words = self.words(line, content)?;
-        if words.is_empty() || (self.values.is_empty() && self.is_heading(&words)) {
+        if words.is_empty() || (self.values.is_empty() && self.header.take(&words)) {
             return Ok(());
         }
         if self.values.is_empty() {
@@ -172,11 +172,6 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a line before the heights is a line of an ESRI header.
-    fn is_heading(&mut self, words: &[&str]) -> bool {
-        self.header.take(words)
-    }
-
     /// Whether a line names coordinates, `x y z` or `X (um), Y (um), Z (nm)`, whose units are kept.
     fn names_points(&mut self, content: &str) -> bool {
         let separators: [&[char]; 2] = [&[',', ';', '\t'], &[',', ';', '\t', ' ']];
@@ -220,12 +215,9 @@ impl Reader<'_> {
             self.evidence.is_decided() || reading.is_ok_and(|it| it.notation == Notation::Single);
         let doubtful = self.marks.iter().find_map(Marks::doubtful);
         match (is_as_read, doubtful) {
-            (false, Some((line, [text, decimal, whole]))) => Err(HeightMapError::Thousands {
+            (false, Some(number)) => Err(HeightMapError::Thousands {
                 file: self.source.file.to_owned(),
-                line,
-                text,
-                decimal,
-                whole,
+                number,
             }),
             _ => Ok(()),
         }

@@ -1,5 +1,7 @@
 //! Notations of numbers in tables: decimal points, decimal commas, and separators of thousands.
 
+use std::fmt;
+
 /// How the numbers of a file are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Notation {
@@ -87,13 +89,43 @@ impl Reading {
 #[derive(Debug, PartialEq, Eq)]
 pub struct Doubt(pub usize);
 
+/// A number with one mark before three digits. As text: `"1,024" may be 1.024 or 1024`.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Ambiguous {
+    /// Its line, as it was given.
+    pub line: u64,
+    /// As it is written.
+    pub text: String,
+}
+
+impl Ambiguous {
+    /// The number if the mark is a decimal one.
+    #[must_use]
+    pub fn decimal(&self) -> String {
+        self.text.replace(',', ".")
+    }
+
+    /// The number if the mark separates thousands.
+    #[must_use]
+    pub fn whole(&self) -> String {
+        self.text.replace([',', '.'], "")
+    }
+}
+
+impl fmt::Display for Ambiguous {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (decimal, whole) = (self.decimal(), self.whole());
+        write!(f, "\"{}\" may be {decimal} or {whole}", self.text)
+    }
+}
+
 /// Numbers of a column some of which have one mark before three digits, such as `1,024`: a decimal mark, or a separator of thousands.
 #[derive(Debug, Default)]
 pub struct Marks {
     /// The column is a time, which is often counted in whole numbers.
     is_time: bool,
-    /// The first such number, with its line.
-    pub first: Option<(u64, String)>,
+    /// The first such number.
+    first: Option<Ambiguous>,
     commas: bool,
     points: bool,
     /// The largest whole number without a mark.
@@ -129,18 +161,19 @@ impl Marks {
         self.points |= mark == Some('.');
         let whole = mark.map_or(decimal, |_| 1000.0 * decimal);
         if mark.is_some() {
-            self.first.get_or_insert_with(|| (line, text.to_owned()));
+            self.first.get_or_insert_with(|| Ambiguous {
+                line,
+                text: text.to_owned(),
+            });
         }
         self.steps[0].add(decimal);
         self.steps[1].add(whole);
     }
 
-    /// The first number in doubt: its line, its text, and its values with a decimal mark and with thousands.
+    /// The first number in doubt.
     #[must_use]
-    pub fn doubtful(&self) -> Option<(u64, [String; 3])> {
-        let (line, text) = self.first.as_ref()?;
-        let [decimal, whole] = [text.replace(',', "."), text.replace([',', '.'], "")];
-        Some((*line, [text.clone(), decimal, whole]))
+    pub fn doubtful(&self) -> Option<Ambiguous> {
+        self.first.clone()
     }
 
     /// Whether there are whole numbers other than 0 below 1000, and none above it.
@@ -298,9 +331,17 @@ pub fn number(text: &str, notation: Notation) -> Option<String> {
     plain.parse::<f64>().is_ok().then_some(plain)
 }
 
-/// Whether a text is a number as Rust writes it.
+/// Whether a text is a number in any notation.
 #[must_use]
-pub fn is_plain_number(text: &str) -> bool {
+pub fn is_number(text: &str) -> bool {
+    let value = |notation| number(text, notation)?.parse::<f64>().ok();
+    let notations = [Notation::Single, Notation::Point, Notation::Comma];
+    let mut values = notations.into_iter().filter_map(value);
+    is_plain_number(text) || values.any(|value| !value.is_nan())
+}
+
+/// Whether a text is a number as Rust writes it.
+fn is_plain_number(text: &str) -> bool {
     text.parse::<f64>().is_ok_and(f64::is_finite)
 }
 

@@ -1,6 +1,6 @@
 //! Cells of tables: their separators, and the notations of numbers.
 
-pub(super) use fakir_case::notation::{Doubt, Evidence, Marks, Notation, is_plain_number, number};
+pub(super) use fakir_case::notation::{Doubt, Evidence, Marks, Notation, is_number, number};
 pub(super) use fakir_case::table_text::cells;
 
 /// Possible separators of columns, the most reliable first.
@@ -52,17 +52,6 @@ pub(super) fn is_not_measured(text: &str) -> bool {
 fn is_formula_error(text: &str) -> bool {
     let mut errors = FORMULA_ERRORS.iter();
     errors.any(|error| error.eq_ignore_ascii_case(text))
-}
-
-/// Whether a text is a number in any notation.
-pub(super) fn is_number(text: &str) -> bool {
-    if is_plain_number(text) {
-        return true;
-    }
-    let notations = [Notation::Single, Notation::Point, Notation::Comma];
-    notations
-        .into_iter()
-        .any(|notation| number(text, notation).is_some_and(|number| !is_not_measured(&number)))
 }
 
 #[cfg(test)]

@@ -297,16 +297,21 @@ impl Reader<'_> {
     /// The error for numbers that may have decimal marks or separators of thousands.
     fn doubt(&self, used: &Used, marks: &Marks, headings: &[String]) -> DataError {
         let heading = &headings[used.place];
-        let (line, texts) = marks.doubtful().unzip();
-        let [text, decimal, whole] = texts.unwrap_or_default();
+        let found = marks.doubtful();
+        let line = found.as_ref().map(|number| number.line);
+        let found = found.unwrap_or_default();
         let quantity = used.column.quantity();
         let thousands = match marks.has_plain_below_thousand() {
             true => String::new(),
-            false => format!(", or {quantity}=\"{heading}*1000\" if it is {whole}"),
+            false => format!(
+                ", or {quantity}=\"{heading}*1000\" if it is {}",
+                found.whole()
+            ),
         };
         let problem = format!(
-            "\"{text}\" may be {decimal} or {whole}, and no other number decides it: write the numbers without separators of thousands, or name the column by \
-             hand: {quantity}=\"{heading}\" if it is {decimal}{thousands}"
+            "{found}, and no other number decides it: write the numbers without separators of thousands, or name the column by hand: \
+             {quantity}=\"{heading}\" if it is {}{thousands}",
+            found.decimal()
         );
         self.fail(line, Some(heading), problem)
     }
@@ -489,10 +494,11 @@ impl Reader<'_> {
                 return Err(self.doubt(doubtful[place], &marks[place], &headings));
             }
         };
-        let first_marked = marks.iter().find_map(|marks| marks.first.clone());
-        if let (true, Some((line, text))) = (reading.is_assumed, first_marked) {
+        let first_marked = marks.iter().find_map(Marks::doubtful);
+        if let (true, Some(found)) = (reading.is_assumed, first_marked) {
             heading.layout.notes.push(format!(
-                "\"{text}\" in line {line} is read with a decimal comma; no number of the file shows whether commas separate thousands"
+                "\"{}\" in line {} is read with a decimal comma; no number of the file shows whether commas separate thousands",
+                found.text, found.line
             ));
         }
         let used = heading.used.iter().map(|used| used.place);

@@ -61,12 +61,8 @@ impl SurfaceSystem {
         let mut solved: Option<(Level<'_>, Pressed)> = None;
         let mut history = Vec::new();
         let mut larger_cells = None;
-        let mut largest = None;
         check_whole(self, run)?;
         for surface in self.levels() {
-            if history.is_empty() && !self.adhesion().is_none() {
-                largest = Some(surface.clone());
-            }
             let mut level = Level::new(self, surface, removed_floor, run);
             if until_floor && !level.has_floor() {
                 // Large cells may not resolve a small floor; the last level has the original cells.
@@ -91,7 +87,7 @@ impl SurfaceSystem {
             solved = Some((level, pressed));
         }
         let (level, pressed) = solved.ok_or(SolveError::NoFloor)?;
-        let changes = self.estimated_with_fronts(control, largest, &history, run)?;
+        let changes = self.estimated_with_fronts(control, &history, run)?;
         let contact = self.with_errors(control, level, &pressed, changes)?;
         Ok(SurfaceContact {
             larger_cells,
@@ -132,21 +128,23 @@ impl SurfaceSystem {
     fn estimated_with_fronts(
         &self,
         control: Load,
-        largest: Option<HeightMap>,
         history: &[[f64; RESULTS]],
         run: &Run<'_>,
     ) -> Result<Option<[f64; RESULTS]>, SolveError> {
         let Some(mut estimated) = self.estimated(history) else {
             return Ok(None);
         };
+        if self.adhesion().is_none() {
+            return Ok(Some(estimated));
+        }
         // On few cells a change of the work moves fronts by whole cells, which are smallest on the last level.
         let grid = self.surface.grid();
-        let (surface, found) = match grid.columns() * grid.rows() <= FEW_CELLS {
-            true => (Some(self.surface.clone()), history.last()),
-            false => (largest, history.first()),
+        let mut solved = self.levels().into_iter().zip(history);
+        let solved = match grid.columns() * grid.rows() <= FEW_CELLS {
+            true => solved.next_back(),
+            false => solved.next(),
         };
-        let (Some(surface), Some(found), false) = (surface, found, self.adhesion().is_none())
-        else {
+        let Some((surface, found)) = solved else {
             return Ok(Some(estimated));
         };
         let until_floor = control == Load::FloorContact;
@@ -283,9 +281,7 @@ impl SurfaceSystem {
         let mut of_turns = Vec::new();
         let mut of_cycles = Vec::new();
         let mut last = None;
-        let levels = self.levels();
-        let largest = levels.first().cloned();
-        for surface in levels {
+        for surface in self.levels() {
             let level = Level::new(self, surface, self.removed_floor(false)?, run);
             let (mut followed, pressed) = level.follow(load, self.adhesion(), true)?;
             of_turns.push(results(&followed.level, &pressed));
@@ -301,7 +297,7 @@ impl SurfaceSystem {
         let Some((mut followed, turn, pressed, [work, tensile])) = last else {
             return Err(SolveError::NoFloor);
         };
-        let changes = self.estimated_with_fronts(load, largest, &of_turns, run)?;
+        let changes = self.estimated_with_fronts(load, &of_turns, run)?;
         let turn = self.with_errors(load, turn, &pressed, changes)?;
         let [excess, highest] = excess_on_unloading(&followed.steps);
         let pull_off = of_cycles.last().map_or(0.0, |[pull_off, ..]| *pull_off);
