@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from os import PathLike, fspath
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -37,6 +38,15 @@ def _bodies_of(system: _fakir.Asperities) -> tuple[AnyLens | Plate, Substrate]:
     indenter = Plate(*(system.plate or [])) if lens is None else lens_of(lens)
     film, _ = system.layers
     return indenter, Substrate(*system.substrate, **layer_options(film))
+
+
+def _of_case(text: str, table: str) -> AsperityArray:
+    """An array that was sent from another process."""
+    with TemporaryDirectory() as folder:
+        Path(folder, "pillars.csv").write_text(table, encoding="utf-8")
+        case = Path(folder, "case.toml")
+        case.write_text(text, encoding="utf-8")
+        return AsperityArray.from_file(case)
 
 
 class AsperityArray(Viscoelastic):
@@ -194,6 +204,9 @@ class AsperityArray(Viscoelastic):
     def to_toml(self, table: str = "pillars.csv") -> str:
         """The case as a commented file, which reads the tops from a table of that name in the same folder: see `to_csv`."""
         return self._asperities.to_toml(table)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _of_case, (self.to_toml(), self._asperities.table())
 
     def to_csv(self, path: str | PathLike[str]) -> None:
         """Writes the table for ``pillars = "..."`` in a case file."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike, fspath
 from pathlib import Path
@@ -73,6 +74,15 @@ class LayerOptions(TypedDict, total=False):
     """Condition at its back: bonded to ``"rigid"`` or an `ElasticBase`, or ``"frictionless"`` on a rigid base."""
 
 
+def _check_names(made: object, options: Iterable[str], known: Iterable[str]) -> None:
+    """Refuses the names of arguments that a class does not have."""
+    own = [name for name in inspect.signature(type(made)).parameters if name != "options"]
+    names = [*own, *(name for name in known if name not in _FORMER_OPTIONS)]
+    for name in options:
+        if name not in known:
+            raise TypeError(f"{type(made).__name__} takes no {name}: it takes {', '.join(names)}")
+
+
 @dataclass(frozen=True, init=False)
 class _Body:
     """Common base of lenses and substrates: their thickness."""
@@ -82,9 +92,7 @@ class _Body:
 
     def _set_layer(self, part: str, options: LayerOptions) -> None:
         known = LayerOptions.__annotations__
-        for name in options:
-            if name not in known:
-                raise TypeError(f"{type(self).__name__} takes no {name}")
+        _check_names(self, options, known)
         thickness = options.get("thickness")
         base = options.get("base", "rigid")
         if thickness is None and "base" in options and base != "rigid":
@@ -429,17 +437,16 @@ class LatticePattern:
     ) -> None:
         known = LatticeOptions.__annotations__
         given: dict[str, Any] = {}
+        _check_names(self, options, known)
         for name, value in options.items():
-            if name not in known:
-                raise TypeError(
-                    f"{type(self).__name__} takes no {name}: besides its own, it takes {', '.join(known)}"
-                )
             present = _FORMER_OPTIONS.get(name, name)
             if present != name:
                 if present in options:
                     raise TypeError(f"{name} is the older name of {present}: give only {present}")
                 warnings.warn(f"{name} is now called {present}", FutureWarning, stacklevel=3)
             given[present] = value
+        if (pitch is None) == (surface_fraction is None):
+            raise TypeError("give exactly one of pitch and surface_fraction")
 
         def put(name: str, value: object) -> None:
             object.__setattr__(self, name, value)
@@ -515,11 +522,6 @@ class LatticeOptions(TypedDict, total=False):
     """``"column"`` if pillars shorten under load, ``"elastic"`` if they are elastic bodies, ``"none"`` if they are rigid."""
 
 
-def _one_of(pitch: Quantity | None, surface_fraction: Quantity | None) -> None:
-    if (pitch is None) == (surface_fraction is None):
-        raise TypeError("give exactly one of pitch and surface_fraction")
-
-
 class HexagonalPattern(LatticePattern):
     """Cylindrical pillars on a hexagonal lattice.
 
@@ -546,7 +548,6 @@ class HexagonalPattern(LatticePattern):
         surface_fraction: Quantity | None = None,
         **options: Unpack[LatticeOptions],
     ) -> None:
-        _one_of(pitch, surface_fraction)
         self._common(diameter, height, pitch, surface_fraction, options)
 
 
@@ -570,7 +571,6 @@ class SquarePattern(LatticePattern):
         surface_fraction: Quantity | None = None,
         **options: Unpack[LatticeOptions],
     ) -> None:
-        _one_of(pitch, surface_fraction)
         self._common(diameter, height, pitch, surface_fraction, options)
 
 

@@ -241,6 +241,8 @@ def checked_plan(
         raise TypeError("a loading has one end: give one of to and to_force")
     if drive not in ("displacement", "force", "machine"):
         raise ValueError(f'no drive "{drive}": give "displacement", "force" or "machine"')
+    if not isinstance(retract, (bool, np.bool_)):
+        raise TypeError(f"retract is {retract!r}: give True or False")
     if (drive == "machine") != (machine_stiffness is not None):
         raise TypeError('drive="machine" and machine_stiffness go together')
     return (

@@ -55,6 +55,8 @@ class Relaxation(Shown):
 
     def modulus(self, time: float) -> float:
         """The modulus at a time (s) after a step, relative to the relaxed modulus."""
+        if not time >= 0.0:
+            raise ValueError(f"time is {time}: give the time after the step, 0 or greater")
         terms = zip(self.strengths, self.times)
         return 1.0 + float(sum(g * np.exp(-time / tau) for g, tau in terms))
 
@@ -160,6 +162,8 @@ class Viscoelastic:
         else:
             value = finite(indentation or 0.0, "length", "indentation")
         rise = finite(ramp, "time", "ramp")
+        if rise < 0.0:
+            raise ValueError(f"ramp is {rise}: give a time of 0 or greater")
         segments = [
             (is_force, value, rise),
             (is_force, value, finite(duration, "time", "duration")),

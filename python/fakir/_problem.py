@@ -69,6 +69,10 @@ def problem(
     """
     if isinstance(surface, type):
         raise TypeError(f"surface is the class {surface.__name__}: give one of its objects, as {surface.__name__}(...)")
+    if isinstance(surface, (str, PathLike)):
+        raise TypeError(
+            f"surface is the name of a file, {fspath(surface)}: read an array, as by numpy.load, or a case file with surface.height_map by fakir.read_case"
+        )
     if top_radius is not None:
         if not isinstance(surface, Pillars):
             raise TypeError(f"top_radius is that of Pillars, not of {type(surface).__name__}")

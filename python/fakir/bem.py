@@ -127,6 +127,7 @@ class Surface(Viscoelastic):
     """The same along y."""
     heights: FloatArray
     """Heights, m, a row for every y."""
+    _arguments: tuple[Any, ...]
 
     def __init__(
         self,
@@ -155,19 +156,18 @@ class Surface(Viscoelastic):
         rows, columns = values.shape
         centre = [finite(place, "length", "axis") for place in axis]
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
-        self._hold(
-            _fakir.Surface(
-                values,
-                cell,
-                origin,
-                *indenter_settings(indenter, substrate),
-                [substrate.young_modulus, substrate.poisson_ratio],
-                [layer_numbers(substrate), layer_numbers(indenter)],
-                bool(periodic),
-                None if floor is None else (finite(floor, "length", "floor"), bool(floor_contact)),
-                adhesion_numbers(adhesion),
-            )
+        self._arguments = (
+            values,
+            cell,
+            origin,
+            *indenter_settings(indenter, substrate),
+            [substrate.young_modulus, substrate.poisson_ratio],
+            [layer_numbers(substrate), layer_numbers(indenter)],
+            bool(periodic),
+            None if floor is None else (finite(floor, "length", "floor"), bool(floor_contact)),
+            adhesion_numbers(adhesion),
         )
+        self._hold(_fakir.Surface(*self._arguments))
 
     @classmethod
     def _of(cls, surface: _fakir.Surface) -> Surface:
@@ -214,9 +214,7 @@ class Surface(Viscoelastic):
 
     def __reduce__(self) -> tuple[Any, ...]:
         text = self._surface.to_toml()
-        if text is None:
-            raise TypeError("a Surface made of an array cannot be copied or sent to another process: send the array, and make the Surface there")
-        return Surface.from_toml, (text,)
+        return (_of_arguments, self._arguments) if text is None else (Surface.from_toml, (text,))
 
     def _problem(self) -> _fakir.Surface:
         return self._surface
@@ -362,6 +360,13 @@ class Surface(Viscoelastic):
         rows, columns = self.heights.shape
         around = "periodic" if self.periodic else "free"
         return f"fakir.bem.Surface: {columns} by {rows} cells, {around}, under a {self.indenter}"
+
+
+def _of_arguments(*arguments: Any) -> Surface:
+    """A surface of an array that was sent from another process."""
+    made = Surface._of(_fakir.Surface(*arguments))
+    made._arguments = arguments
+    return made
 
 
 class SurfaceContact(SurfacePressNumbers):

@@ -9,6 +9,7 @@ an adhesive floor in `free_annulus`, `annulus_radius`, `largest_tension`, `colla
 from __future__ import annotations
 
 import json
+import math
 import warnings
 from typing import Any, NamedTuple
 
@@ -384,6 +385,8 @@ def fit_sum_coefficients(
     range: tuple[float, float] = (1.0, 32.0), samples: int = 497
 ) -> LatticeSums:
     """C01, C1 and C11 by least squares over a range of contact radii in pitches."""
+    for radius in range:
+        _check_radii(np.asarray(radius), "range")
     found = _fakir.sum_coefficients("least squares", range, samples)
     if found is None:
         raise ValueError(f"nothing to fit in the range {range} with {samples} samples")
@@ -391,7 +394,9 @@ def fit_sum_coefficients(
 
 
 def inverse_power_sum(exponent: float) -> float:
-    """Sum of r^-exponent over a unit hexagonal lattice without the origin, continued analytically."""
+    """Sum of r^-exponent over a unit hexagonal lattice without the origin, continued analytically; at 2 it has a pole."""
+    if exponent == 2 or not math.isfinite(exponent):
+        raise ValueError(f"exponent is {exponent}: give a finite number other than 2, where the sum diverges")
     return _fakir.inverse_power_sum(exponent)
 
 
@@ -563,5 +568,14 @@ def _each(function: Any, values: Any) -> Any:
 
 def _sums(function: Any, contact_radius: object) -> LatticeSums:
     radii = array(contact_radius, "number", "contact_radius")
+    _check_radii(radii, "contact_radius")
     rows = np.array([function(float(radius)) for radius in radii.flat]).reshape(*radii.shape, 3)
     return LatticeSums(rows[..., 0][()], rows[..., 1][()], rows[..., 2][()])
+
+
+def _check_radii(radii: Any, name: str) -> None:
+    most = 1000
+    if not np.all((radii >= 0) & (radii <= most)):
+        raise ValueError(
+            f'{name} is in pitches: give values from 0 to {most}; sum_coefficients("limit") holds for wider contacts'
+        )

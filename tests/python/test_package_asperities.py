@@ -2,6 +2,7 @@
 
 import json
 import os
+import pickle
 import subprocess
 
 import numpy as np
@@ -40,6 +41,8 @@ def test_a_case_file_and_arrays_are_the_same(tmp_path):
     one, other = made.press(force="10 mN"), read.press(force="10 mN")
     assert one.contact_area == pytest.approx(other.contact_area, rel=1e-12)
     assert len(other.to_pandas()) == 9
+    sent = pickle.loads(pickle.dumps(made))
+    assert np.array_equal(sent.height, made.height) and sent.press(force="10 mN").contact_area == one.contact_area
     made.to_stl(tmp_path / "surface.stl")
     assert (tmp_path / "surface.stl").stat().st_size > 1000
     assert "9 tops" in repr(read) and "9 of 9" in repr(one)

@@ -17,9 +17,12 @@ def test_surfaces_of_case_files_are_sent_to_other_processes():
     surface = fakir.read_case(CASE, COARSE)
     copy = pickle.loads(pickle.dumps(surface))
     assert copy.to_toml() == surface.to_toml() and np.array_equal(copy.heights, surface.heights)
-    made = Surface(np.zeros((16, 16)), fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), cell_size="1 um")
-    with pytest.raises(TypeError, match="made of an array"):
-        pickle.dumps(made)
+    heights = np.random.default_rng(1).normal(0.0, 1e-7, (16, 16))
+    bodies = fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    made = Surface(heights, *bodies, cell_size="1 um", periodic=True)
+    copy = pickle.loads(pickle.dumps(pickle.loads(pickle.dumps(made))))
+    assert copy.periodic and np.array_equal(copy.heights, heights) and np.array_equal(copy.x, made.x)
+    assert copy.press(indentation="10 nm").force == made.press(indentation="10 nm").force
 
 
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")

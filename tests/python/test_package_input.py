@@ -15,6 +15,15 @@ def system(**changes):
     return fakir.System(fakir.Lens(**values), fakir.Substrate(2e6, 0.5), pattern)
 
 
+def test_names_of_arguments_that_do_not_exist():
+    with pytest.raises(TypeError, match="takes no surface_fracton: it takes diameter, height, pitch, surface_fraction"):
+        fakir.HexagonalPattern("5 um", "2 um", surface_fracton=0.1)
+    with pytest.raises(TypeError, match="takes no thicknes: it takes radius, young_modulus, poisson_ratio, thickness, base"):
+        fakir.Lens("1 mm", "2 MPa", 0.5, thicknes="1 mm")
+    with pytest.raises(TypeError, match="surface is the name of a file, map.npy: read an array"):
+        fakir.problem(fakir.Lens("1 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5), "map.npy")
+
+
 def test_quantities_with_and_without_units():
     for radius in [
         2.2e-3,

@@ -194,6 +194,11 @@ def test_theory(system):
     fit = fakir.theory.fit_sum_coefficients()
     assert fit.displacement == pytest.approx(fakir.theory.sum_coefficients().displacement, rel=1e-3)
     # Six neighbours at distance 1 within 1.5 pitches, with forces as of Hertz.
+    for wrong in (-1.0, 1e9):
+        with pytest.raises(ValueError, match="in pitches: give values from 0 to 1000"):
+            fakir.theory.lattice_sums(wrong)
+    with pytest.raises(ValueError, match="other than 2, where the sum diverges"):
+        fakir.theory.inverse_power_sum(2)
     sums = fakir.theory.lattice_sums(1.5)
     assert sums.displacement == pytest.approx(6.0 * np.sqrt(1.0 - 1.5**-2), rel=1e-12)
     curve = fakir.theory.transition_force(system, np.array([2.0, 4.0]) * system.pitch)

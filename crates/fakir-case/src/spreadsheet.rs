@@ -1,13 +1,25 @@
-//! Tables from XLSX files: the first sheet that has a row of numbers, as text with tabs between its cells.
+//! Tables from XLSX files: the sheet that has the most rows of numbers, as text with tabs between its cells.
 
 use crate::archive::member;
 use crate::markup::{Part, attribute, parts};
 
-/// The table of an XLSX file as text: one line for each row of the sheet, so that line numbers are row numbers.
+/// A sheet as text.
+struct Sheet {
+    name: String,
+    table: String,
+    /// The first cell with a formula whose value is not in the file.
+    formula: Option<String>,
+    /// Number of rows with two numbers, which notes on a measurement do not have.
+    rows: usize,
+}
+
+/// The table of an XLSX file as text: one line for each row of the sheet, so that line numbers are row numbers. Without a name of a sheet, it
+/// is that with the most rows of numbers.
 ///
 /// # Errors
-/// A description of the error: a damaged archive, a part that exceeds `most` bytes, or a file without any cells.
-pub(crate) fn to_text(bytes: &[u8], most: u64) -> Result<String, String> {
+/// A description of the error: a damaged archive, a part that exceeds `most` bytes, a file without any cells or without such a sheet, or with
+/// several sheets of about as many rows.
+pub(crate) fn to_text(bytes: &[u8], name: Option<&str>, most: u64) -> Result<String, String> {
     let text = |name: &str| {
         let found = member(bytes, name, 8 * most)?;
         Ok::<_, String>(found.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
@@ -18,42 +30,65 @@ pub(crate) fn to_text(bytes: &[u8], most: u64) -> Result<String, String> {
     let relations = text("xl/_rels/workbook.xml.rels")?.unwrap_or_default();
     let shared = text("xl/sharedStrings.xml")?.unwrap_or_default();
     let shared = shared_texts(&shared);
-    let (mut first, mut uncomputed) = (None, None);
-    let no_value = |cell: String| {
-        format!(
-            "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
-        )
+    let members = sheets(&workbook, &relations);
+    let quoted = |names: &mut dyn Iterator<Item = &String>| {
+        let names: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
+        names.join(", ")
     };
-    for sheet in sheets(&workbook, &relations) {
-        let Some(sheet) = text(&sheet)? else { continue };
+    let is_wanted = |other: &str| name.is_none_or(|name| name == other);
+    let mut found: Vec<Sheet> = Vec::new();
+    for (name, member) in members.iter().filter(|(name, _)| is_wanted(name)) {
+        let Some(sheet) = text(member)? else { continue };
         let (table, formula) = rows(&sheet, &shared, most)?;
-        if has_numbers(&table) {
-            return formula.map_or(Ok(table), |cell| Err(no_value(cell)));
-        }
-        uncomputed = uncomputed.or(formula);
-        if first.is_none() && !table.trim().is_empty() {
-            first = Some(table);
-        }
+        found.push(Sheet {
+            name: name.clone(),
+            rows: rows_of_numbers(&table),
+            table,
+            formula,
+        });
+    }
+    if let (Some(name), true) = (name, found.is_empty()) {
+        let names = quoted(&mut members.iter().map(|(name, _)| name));
+        return Err(format!("it has no sheet \"{name}\"; there are {names}"));
+    }
+    let largest = found.iter().map(|sheet| sheet.rows).max().unwrap_or(0);
+    let is_like_largest = |sheet: &&Sheet| 2 * sheet.rows > largest;
+    let tables: Vec<&Sheet> = found.iter().filter(is_like_largest).collect();
+    if let [first, _, ..] = tables[..] {
+        return Err(format!(
+            "it has {} sheets with tables, {}: name one of them after the file, as \"FILE.xlsx#{}\"",
+            tables.len(),
+            quoted(&mut tables.iter().map(|sheet| &sheet.name)),
+            first.name
+        ));
     }
     // Without values of its formulas a sheet may have no row of numbers.
-    match uncomputed {
-        Some(cell) => Err(no_value(cell)),
-        None => first.ok_or_else(|| "no sheet has any cells".to_owned()),
+    let formula = match tables.first() {
+        Some(sheet) => &sheet.formula,
+        None => &found.iter().find_map(|sheet| sheet.formula.clone()),
+    };
+    if let Some(cell) = formula {
+        return Err(format!(
+            "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
+        ));
+    }
+    let with_cells = || found.iter().find(|sheet| !sheet.table.trim().is_empty());
+    match tables.first().copied().or_else(with_cells) {
+        Some(sheet) => Ok(sheet.table.clone()),
+        None => Err("no sheet has any cells".to_owned()),
     }
 }
 
-/// Whether a table has a row with two numbers, as notes on a measurement do not.
-fn has_numbers(table: &str) -> bool {
-    table.lines().any(|row| {
-        let mut numbers = row
-            .split('\t')
-            .filter(|cell| cell.replacen(',', ".", 1).parse::<f64>().is_ok());
-        numbers.nth(1).is_some()
-    })
+/// Number of rows of a table with two numbers.
+fn rows_of_numbers(table: &str) -> usize {
+    let is_number = |cell: &&str| cell.replacen(',', ".", 1).parse::<f64>().is_ok();
+    let rows = table.lines();
+    rows.filter(|row| row.split('\t').filter(is_number).nth(1).is_some())
+        .count()
 }
 
-/// Members of the archive that contain the sheets, in their order.
-fn sheets(workbook: &str, relations: &str) -> Vec<String> {
+/// Names of the sheets in their order, each with the member of the archive that contains it.
+fn sheets(workbook: &str, relations: &str) -> Vec<(String, String)> {
     let relations = parts(relations);
     let target = |id: &str| {
         relations.iter().find_map(|part| match part {
@@ -65,13 +100,16 @@ fn sheets(workbook: &str, relations: &str) -> Vec<String> {
     };
     let workbook = parts(workbook);
     let sheets = workbook.iter().filter_map(|part| match part {
-        Part::Start("sheet", given) => target(&attribute(given, "id")?),
+        Part::Start("sheet", given) => {
+            let name = attribute(given, "name").unwrap_or_default();
+            Some((name, target(&attribute(given, "id")?)?))
+        }
         _ => None,
     });
     sheets
-        .map(|target| match target.strip_prefix('/') {
-            Some(whole) => whole.to_owned(),
-            None => format!("xl/{target}"),
+        .map(|(name, target)| match target.strip_prefix('/') {
+            Some(whole) => (name, whole.to_owned()),
+            None => (name, format!("xl/{target}")),
         })
         .collect()
 }
@@ -210,6 +248,7 @@ mod tests {
         let (_, formula) = rows(sheet, &shared, 1000).unwrap();
         assert_eq!(formula.as_deref(), Some("B1"));
         assert_eq!(column("AB12"), Some(27));
-        assert!(has_numbers("x\ty\nnote\t1,5\t2\n") && !has_numbers("radius\t2\tmm\n3\n"));
+        assert_eq!(rows_of_numbers("x\ty\nnote\t1,5\t2\n"), 1);
+        assert_eq!(rows_of_numbers("radius\t2\tmm\n3\n"), 0);
     }
 }

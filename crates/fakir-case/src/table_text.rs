@@ -8,13 +8,28 @@ use std::borrow::Cow;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Reads a table as text, which may have at most `most` bytes: a text, also packed by gzip (`.gz`), or the first sheet of a
-/// spreadsheet (`.xlsx`) with a row of numbers, with a line for each of its rows and tabs between cells.
+/// Reads a table as text, which may have at most `most` bytes: a text, also packed by gzip (`.gz`), or a sheet of a spreadsheet (`.xlsx`), with a
+/// line for each of its rows and tabs between cells. It is the sheet with the most rows of numbers, or that named after the file:
+/// `data.xlsx#Sheet2`.
 ///
 /// # Errors
 /// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with the name of a program that converts them.
 pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    unpack_table(path, read(path, most)?, most)
+    let (file, _) = split_sheet(path);
+    unpack_table(path, read(file, most)?, most)
+}
+
+/// The path of a file, and the name of a sheet of a spreadsheet after it.
+fn split_sheet(path: &Path) -> (&Path, Option<&str>) {
+    const ENDING: &str = ".xlsx#";
+    let text = path.to_str().unwrap_or_default();
+    match text.to_ascii_lowercase().find(ENDING) {
+        Some(place) => {
+            let (file, sheet) = text.split_at(place + ENDING.len() - 1);
+            (Path::new(file), Some(&sheet[1..]))
+        }
+        None => (path, None),
+    }
 }
 
 /// The text of a table with these contents, which are unpacked if they are packed, and at most so many bytes; `path` is the name of its file.
@@ -22,6 +37,7 @@ pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As [`read_table`].
 pub fn unpack_table(path: &Path, mut bytes: Vec<u8>, most: u64) -> io::Result<Vec<u8>> {
+    let (path, sheet) = split_sheet(path);
     if bytes.starts_with(b"\x1f\x8b") {
         bytes = read_all(MultiGzDecoder::new(&bytes[..]), most)?;
     }
@@ -29,7 +45,7 @@ pub fn unpack_table(path: &Path, mut bytes: Vec<u8>, most: u64) -> io::Result<Ve
         return Ok(bytes);
     };
     if format.is_spreadsheet() {
-        let text = spreadsheet::to_text(&bytes, most);
+        let text = spreadsheet::to_text(&bytes, sheet, most);
         return text
             .map(String::into_bytes)
             .map_err(|problem| io::Error::new(ErrorKind::InvalidData, problem));
@@ -37,7 +53,8 @@ pub fn unpack_table(path: &Path, mut bytes: Vec<u8>, most: u64) -> io::Result<Ve
     Err(io::Error::new(ErrorKind::Unsupported, format.no_table()))
 }
 
-/// The text of a table in UTF-8, with or without a byte order mark, in UTF-16 with one, or in Latin-1; `None` of other bytes.
+/// The text of a table in UTF-8, with or without a byte order mark, in UTF-16 with one, or in Latin-1; `None` of other bytes. Cells in quotes that
+/// continue in the lines below are in one line, and empty lines below keep the numbers of the lines.
 #[must_use]
 pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
     let wide = |bytes: &[u8], join: fn([u8; 2]) -> u16| {
@@ -58,6 +75,67 @@ pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
             })
         }
     }
+    .map(|text| with_cells_in_one_line(&text).map_or(text, Cow::Owned))
+}
+
+/// The text with cells in quotes that continue in the lines below, as headings of spreadsheets do, in one line each; empty lines below keep the
+/// numbers of the lines. `None` if there are no such cells.
+fn with_cells_in_one_line(text: &str) -> Option<String> {
+    /// Most lines of one cell.
+    const MOST_LINES: usize = 8;
+    let lines: Vec<&str> = text.split('\n').collect();
+    let mut joined = String::new();
+    let (mut copied, mut index) = (0, 0);
+    while index < lines.len() {
+        let is_open = |line: &str| line.contains('"') && ends_in_quotes(line);
+        let mut row = lines[index].to_owned();
+        let mut last = index;
+        if is_open(&row) {
+            let most = lines.len().min(index + MOST_LINES);
+            // A line that begins with a quoted cell of its own is another row, below quotes that are never closed.
+            let of_cell = (index + 1..most).take_while(|below| {
+                let rest = lines[*below].trim_start().strip_prefix('"');
+                rest.is_none_or(|rest| rest.trim_end().is_empty() || rest.starts_with(SEPARATORS))
+            });
+            let mut of_cell = of_cell.filter(|below| {
+                row = format!("{} {}", row.trim_end(), lines[*below].trim_start());
+                !ends_in_quotes(&row)
+            });
+            last = of_cell.next().unwrap_or(index);
+        }
+        if last > index {
+            for line in &lines[copied..index] {
+                joined.push_str(line);
+                joined.push('\n');
+            }
+            joined.push_str(&row);
+            joined.push_str(&"\n".repeat(last - index + 1));
+            copied = last + 1;
+        }
+        index = last + 1;
+    }
+    (copied > 0).then(|| joined + &lines[copied..].join("\n"))
+}
+
+/// Possible separators of columns, the most reliable first.
+pub const SEPARATORS: [char; 3] = ['\t', ';', ','];
+
+/// Whether a line ends in a cell whose closing quotes are missing. Quotes within a cell, as of inches, open none.
+fn ends_in_quotes(line: &str) -> bool {
+    let (mut is_open, mut begins) = (false, true);
+    let mut characters = line.chars().peekable();
+    while let Some(character) = characters.next() {
+        match character {
+            '"' if is_open && characters.peek() == Some(&'"') => {
+                characters.next();
+            }
+            '"' if is_open => (is_open, begins) = (false, false),
+            '"' if begins => is_open = true,
+            _ if is_open => {}
+            _ => begins = SEPARATORS.contains(&character) || begins && character == ' ',
+        }
+    }
+    is_open
 }
 
 /// Cells of a line of a table, with or without quotes, trimmed. A blank as the separator stands for any number of blanks.
@@ -127,4 +205,20 @@ pub fn is_statistic(label: &str) -> bool {
     }
     let plain = label.trim_end_matches(':').replace('.', "");
     STATISTICS.contains(&&plain.to_lowercase()[..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_over_several_lines() {
+        let of = |text: &str| text_of(text.as_bytes()).unwrap().into_owned();
+        let table = "a\n\"Load\n(N)\",\"Extension\r\n(mm)\",t\n1,2,3\n";
+        assert_eq!(of(table), "a\n\"Load (N)\",\"Extension (mm)\",t\n\n\n1,2,3\n");
+        // Inches, and quotes that are never closed before the next row.
+        for text in ["5\" x 3\"\n2,\"3\n", "\"Sample\n\"Load\",\"Time\"\n1,2\n"] {
+            assert_eq!(of(text), text);
+        }
+    }
 }

@@ -71,6 +71,53 @@ fn packed_tables_and_spreadsheets_are_text() {
 }
 
 #[test]
+fn one_of_several_sheets() {
+    let sheet = |rows: &[[f64; 2]]| {
+        let rows = rows
+            .iter()
+            .map(|[a, b]| format!("<row><c><v>{a}</v></c><c><v>{b}</v></c></row>"));
+        let rows: String = rows.collect();
+        format!("<worksheet><sheetData>{rows}</sheetData></worksheet>")
+    };
+    let book = |sheets: &[(&str, &[[f64; 2]])]| {
+        let number = |place: usize| format!("xl/worksheets/sheet{place}.xml");
+        let (mut names, mut relations) = (String::new(), String::new());
+        let mut members = Vec::new();
+        for (place, (name, rows)) in sheets.iter().enumerate() {
+            names += &format!("<sheet name=\"{name}\" r:id=\"r{place}\"/>");
+            relations += &format!("<Relationship Id=\"r{place}\" Target=\"/{}\"/>", number(place));
+            members.push((number(place), sheet(rows)));
+        }
+        members.push(("xl/workbook.xml".to_owned(), format!("<workbook>{names}</workbook>")));
+        members.push(("xl/_rels/workbook.xml.rels".to_owned(), relations));
+        let members = members.iter();
+        let members = members.map(|(name, content)| (&name[..], content.as_bytes()));
+        zip(&members.collect::<Vec<_>>())
+    };
+    let curve = [[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]];
+    // The results of the specimens are on a sheet before their curves.
+    let results = book(&[("Results", &[[7.0, 8.0]]), ("Specimen 1", &curve)]);
+    assert_eq!(read("a.xlsx", &results).unwrap(), "1\t2\n3\t4\n5\t6\n");
+    let both = book(&[("Specimen 1", &curve[..2]), ("Specimen 2", &curve)]);
+    assert_eq!(
+        read("a.xlsx", &both).unwrap_err(),
+        "it has 2 sheets with tables, \"Specimen 1\", \"Specimen 2\": name one of them after the file, as \"FILE.xlsx#Specimen 1\""
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.xlsx");
+    std::fs::write(&path, &both).unwrap();
+    let of_sheet = |name: &str| {
+        let named = folder.path().join(format!("a.xlsx#{name}"));
+        read_table(&named, LARGEST_TABLE).map_err(|error| error.to_string())
+    };
+    assert_eq!(of_sheet("Specimen 1").unwrap(), b"1\t2\n3\t4\n");
+    assert_eq!(
+        of_sheet("Specimen 3").unwrap_err(),
+        "it has no sheet \"Specimen 3\"; there are \"Specimen 1\", \"Specimen 2\""
+    );
+}
+
+#[test]
 fn formats_that_are_not_read_name_what_converts_them() {
     let book = |member: &str| zip(&[(member, b"<a/>")]);
     for (name, content, words) in [

@@ -1,10 +1,7 @@
 //! Cells of tables: their separators, and the notations of numbers.
 
 pub(super) use fakir_case::notation::{Doubt, Evidence, Marks, Notation, is_number, number};
-pub(super) use fakir_case::table_text::cells;
-
-/// Possible separators of columns, the most reliable first.
-pub(super) const SEPARATORS: [char; 3] = ['\t', ';', ','];
+pub(super) use fakir_case::table_text::{SEPARATORS, cells};
 
 /// Stands for any number of blanks between columns.
 pub(super) const BLANKS: char = ' ';
