@@ -161,7 +161,11 @@ def groove_threshold(
 class Data:
     @staticmethod
     def read(
-        path: _Path, named: Sequence[tuple[str, str]], spring_constant: float | None
+        path: _Path,
+        named: Sequence[tuple[str, str]],
+        spring_constant: float | None,
+        last_row: int | None,
+        has_pauses: bool,
     ) -> Data: ...
     @staticmethod
     def of(

@@ -387,6 +387,7 @@ def fit(
     check_parameters(free, starts)
     raw, data, instrument = prepared(
         measurements,
+        has_pauses=is_viscoelastic(system, free),
         columns=columns,
         spring_constant=spring_constant,
         rows=rows,
@@ -424,6 +425,19 @@ def case_of(
     return system._flat if isinstance(system, FlatSystem) else system._case
 
 
+def is_viscoelastic(
+    system: System | FlatSystem | AsperityArray | Surface, free: Sequence[str]
+) -> bool:
+    """Whether the rows are a history over time, to which pauses belong."""
+    if any(name.startswith("relaxation.") for name in free):
+        return True
+    if isinstance(system, Surface):
+        text = system._surface.to_toml() or ""
+    else:
+        text = system.to_toml()
+    return "\n[relaxation]" in text
+
+
 Instrument: TypeAlias = tuple[float | None, float, float, float, float, float]
 """Contact point, machine compliance, force offset, drifts of displacement and force, and force slope."""
 
@@ -439,6 +453,7 @@ def check_parameters(free: Sequence[str], starts: int) -> None:
 def prepared(
     measurements: Measurements,
     *,
+    has_pauses: bool,
     columns: Mapping[str, str] | None,
     spring_constant: Quantity | None,
     rows: tuple[int | None, int | None] | None,
@@ -461,11 +476,13 @@ def prepared(
         error_of(force_error, "force", "force_error"),
         error_of(contact_radius_error, "length", "contact_radius_error"),
     ]
-    raw = _data(measurements, dict(columns or {}), _of_unit(spring_constant, "N/m", "spring_constant"))
-    dimension = raw.load_dimension()
-    ends = [None if end is None else finite(end, dimension, "between") for end in between or (None, None)]
     if rows is not None and any(row is not None and row < 1 for row in rows):
         raise ValueError(f"rows is {rows}: rows are counted from 1")
+    constant = _of_unit(spring_constant, "N/m", "spring_constant")
+    last_row = None if rows is None else rows[1]
+    raw = _data(measurements, dict(columns or {}), constant, last_row, has_pauses)
+    dimension = raw.load_dimension()
+    ends = [None if end is None else finite(end, dimension, "between") for end in between or (None, None)]
     raw = raw.select(list(rows or (None, None)), cycle, branch, ends)
     data = raw.with_errors(*errors)
     compliance = _of_unit(machine_compliance, "m/N", "machine_compliance")
@@ -482,10 +499,16 @@ def prepared(
     return raw, data, instrument
 
 
-def _data(measurements: Measurements, named: Mapping[str, str], spring_constant: float | None) -> _fakir.Data:
+def _data(
+    measurements: Measurements,
+    named: Mapping[str, str],
+    spring_constant: float | None,
+    last_row: int | None,
+    has_pauses: bool,
+) -> _fakir.Data:
     by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):
-        return _fakir.Data.read(fspath(measurements), by_hand, spring_constant)
+        return _fakir.Data.read(fspath(measurements), by_hand, spring_constant, last_row, has_pauses)
     if _is_of_afmformats(measurements):
         spring_constant = _spring_constant(measurements, spring_constant)
     return _fakir.Data.of(columns_of(measurements), by_hand, spring_constant)

@@ -61,13 +61,15 @@ const POUND_FORCE: f64 = 4.448_221_615_260_5;
 const INCH: f64 = 0.0254;
 
 /// Units that are read in addition to [`UNITS`], in which nothing is written.
-const FURTHER_UNITS: [Unit; 16] = [
+const FURTHER_UNITS: [Unit; 18] = [
     unit("cm", Dimension::Length, Scale::Factor(1e-2)),
     unit("pm", Dimension::Length, Scale::Factor(1e-12)),
     unit("\u{c5}", Dimension::Length, Scale::Factor(1e-10)),
     unit("in", Dimension::Length, Scale::Factor(INCH)),
     unit("mil", Dimension::Length, Scale::Factor(1e-3 * INCH)),
     unit("kN", Dimension::Force, Scale::Factor(1e3)),
+    unit("daN", Dimension::Force, Scale::Factor(10.0)),
+    unit("cN", Dimension::Force, Scale::Factor(1e-2)),
     unit("pN", Dimension::Force, Scale::Factor(1e-12)),
     unit("dyn", Dimension::Force, Scale::Factor(1e-5)),
     unit(

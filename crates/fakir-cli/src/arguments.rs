@@ -366,7 +366,7 @@ impl Friction {
     pub(crate) fn hints(&self) -> Hints {
         Hints {
             named: self.columns.clone(),
-            spring_constant: None,
+            ..Hints::default()
         }
     }
 }
@@ -1196,11 +1196,20 @@ impl Fit {
         }
     }
 
+    /// Whether the bodies are viscoelastic, so that the rows of pauses are data too.
+    fn has_relaxation(&self) -> Result<bool, Failure> {
+        let case = case_file(&self.case[0], &self.set)?;
+        let is_free = self.free.iter().any(|free| free.is_of_relaxation());
+        Ok(is_free || case.relaxation()?.is_some())
+    }
+
     /// The data of a file, with the errors given as arguments where the file has none.
     pub(crate) fn measurements(&self, path: &Path) -> Result<Measurements, Failure> {
         let hints = Hints {
             named: self.columns.clone(),
             spring_constant: self.spring_constant,
+            last_row: self.rows.and_then(|rows| rows.0[1]),
+            has_pauses: self.has_relaxation()?,
         };
         let mut data = Measurements::read_with(path, &hints)?;
         let dimension = data.load_dimension();

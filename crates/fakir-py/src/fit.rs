@@ -29,14 +29,21 @@ pub(crate) struct Data {
 
 #[pymethods]
 impl Data {
-    /// Reads a file, with explicitly assigned columns, quantity and heading, and the spring constant (N/m) of a cantilever.
+    /// Reads a file, with explicitly assigned columns, quantity and heading, the spring constant (N/m) of a cantilever, the last row that is used,
+    /// and whether rows of pauses are used.
     #[staticmethod]
     fn read(
         path: PathBuf,
         named: Vec<(String, String)>,
         spring_constant: Option<f64>,
+        last_row: Option<usize>,
+        has_pauses: bool,
     ) -> PyResult<Self> {
-        let hints = hints(&named, spring_constant)?;
+        let hints = Hints {
+            last_row,
+            has_pauses,
+            ..hints(&named, spring_constant)?
+        };
         let measurements = Measurements::read_with(&path, &hints);
         Ok(Self {
             measurements: measurements.map_err(|error| fit_error(&error.into()))?,
@@ -135,6 +142,7 @@ pub(crate) fn hints(named: &[(String, String)], spring_constant: Option<f64>) ->
     Ok(Hints {
         named: named.iter().map(one).collect::<PyResult<_>>()?,
         spring_constant,
+        ..Hints::default()
     })
 }
 

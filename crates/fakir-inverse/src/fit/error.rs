@@ -44,7 +44,10 @@ pub enum FitError {
     #[error("{} is not in the case: give it there, for the fit to begin with", .0.name())]
     NotGiven(Parameter),
     /// A parameter of the instrument, but the data contain no reading of it.
-    #[error("{name}: {} takes a column displacement_m", .parameter.name())]
+    #[error(
+        "{name}: {} takes a column displacement_m, the reading of the instrument; a column of indentations can be read as such by hand, as displacement=\"HEADING\"", 
+        .parameter.name()
+    )]
     NoDisplacement {
         /// The file.
         name: String,

@@ -38,6 +38,8 @@ pub(super) fn split_unit(heading: &str) -> (String, Option<String>) {
         if let Some((name, unit)) = heading.rsplit_once(separator)
             && !name.trim().is_empty()
             && is_unit(unit.trim())
+            // The letter at the end of `Force A` names a channel.
+            && unit.trim() != "A"
         {
             return (name.trim().to_owned(), Some(unit.trim().to_owned()));
         }
@@ -66,10 +68,9 @@ fn words(name: &str) -> Vec<String> {
 }
 
 /// Words that name a quantity.
-const QUANTITIES: [(&str, Column); 19] = [
+const QUANTITIES: [(&str, Column); 58] = [
     ("time", Column::Time),
     ("elapsed", Column::Time),
-    ("zeit", Column::Time),
     ("branch", Column::Branch),
     ("segment", Column::Branch),
     ("direction", Column::Branch),
@@ -84,16 +85,65 @@ const QUANTITIES: [(&str, Column); 19] = [
     ("crosshead", Column::Displacement),
     ("force", Column::Force),
     ("load", Column::Force),
-    ("kraft", Column::Force),
     ("radius", Column::ContactRadius),
+    // German.
+    ("zeit", Column::Time),
+    ("laufzeit", Column::Time),
+    ("pr\u{fc}fzeit", Column::Time),
+    ("kraft", Column::Force),
+    ("standardkraft", Column::Force),
+    ("pr\u{fc}fkraft", Column::Force),
+    ("normalkraft", Column::Force),
+    ("last", Column::Force),
+    ("standardweg", Column::Displacement),
+    ("traversenweg", Column::Displacement),
+    ("kolbenweg", Column::Displacement),
+    ("stempelweg", Column::Displacement),
+    ("verschiebung", Column::Displacement),
+    ("eindringtiefe", Column::Displacement),
+    // French.
+    ("temps", Column::Time),
+    ("d\u{e9}placement", Column::Displacement),
+    ("enfoncement", Column::Displacement),
+    // Spanish, Portuguese and Italian.
+    ("tiempo", Column::Time),
+    ("tempo", Column::Time),
+    ("fuerza", Column::Force),
+    ("for\u{e7}a", Column::Force),
+    ("forza", Column::Force),
+    ("carga", Column::Force),
+    ("carico", Column::Force),
+    ("desplazamiento", Column::Displacement),
+    ("deslocamento", Column::Displacement),
+    ("spostamento", Column::Displacement),
+    // Polish.
+    ("czas", Column::Time),
+    ("si\u{142}a", Column::Force),
+    ("obci\u{105}\u{17c}enie", Column::Force),
+    ("przemieszczenie", Column::Displacement),
+    // Chinese and Japanese.
+    ("\u{65f6}\u{95f4}", Column::Time),
+    ("\u{6642}\u{9593}", Column::Time),
+    ("\u{529b}", Column::Force),
+    ("\u{8f7d}\u{8377}", Column::Force),
+    ("\u{8377}\u{91cd}", Column::Force),
+    ("\u{8a66}\u{9a13}\u{529b}", Column::Force),
+    ("\u{4f4d}\u{79fb}", Column::Displacement),
+    ("\u{5909}\u{4f4d}", Column::Displacement),
+    ("\u{538b}\u{5165}\u{6df1}\u{5ea6}", Column::Displacement),
+    ("\u{62bc}\u{8fbc}\u{307f}\u{6df1}\u{3055}", Column::Displacement),
 ];
 
 /// Words that name a quantity unless another word does: `z position`, `normal force fz`.
-const SYMBOLS: [(&str, Column); 10] = [
+const SYMBOLS: [(&str, Column); 14] = [
     ("z", Column::Displacement),
+    ("zsnsr", Column::Displacement),
     ("depth", Column::Displacement),
+    ("pd", Column::Displacement),
     ("distance", Column::Displacement),
+    ("ramp", Column::Displacement),
     ("weg", Column::Displacement),
+    ("course", Column::Displacement),
     ("pos", Column::Displacement),
     ("f", Column::Force),
     ("fn", Column::Force),
@@ -126,7 +176,7 @@ const LATERAL: [&str; 6] = [
 ];
 
 /// Words without effect that may accompany the name.
-const FILLERS: [&str; 28] = [
+const FILLERS: [&str; 42] = [
     "normal",
     "measured",
     "contact",
@@ -138,6 +188,8 @@ const FILLERS: [&str; 28] = [
     "sense",
     "cell",
     "channel",
+    "ch",
+    "a",
     "total",
     "piezo",
     "vertical",
@@ -151,10 +203,22 @@ const FILLERS: [&str; 28] = [
     "of",
     "the",
     "in",
+    "into",
+    "on",
+    "surface",
     "mean",
     "average",
+    "avg",
     "crosshead",
     "test",
+    "running",
+    "step",
+    "penetration",
+    "calc",
+    "de",
+    "d",
+    "essai",
+    "ensayo",
 ];
 
 /// Quantity that a name denotes, if all of its words are known.
@@ -261,6 +325,12 @@ pub(super) fn branch_of(text: &str) -> Option<Branch> {
     }
 }
 
+/// Whether a word names a pause between the branches.
+pub(super) fn is_pause(text: &str) -> bool {
+    const PAUSES: [&str; 5] = ["pause", "dwell", "hold", "holding", "creep"];
+    PAUSES.contains(&&without_brackets(text).to_lowercase()[..])
+}
+
 /// The unit of voltage at the end of a heading without brackets: `Defl_V`.
 pub(super) fn volts_of(heading: &str) -> Option<String> {
     let (_, unit) = heading.rsplit_once(['_', ' ', '/', ','])?;
@@ -326,8 +396,9 @@ pub(super) enum Substitute {
 pub(super) fn substitute(name: &str) -> Option<Substitute> {
     const HEIGHT: [&str; 4] = ["height", "gap", "separation", "distance"];
     const DEFLECTION: [&str; 5] = ["deflection", "defl", "vdeflection", "cantilever", "bending"];
-    const OTHERS: [&str; 9] = [
+    const OTHERS: [&str; 11] = [
         "tip", "position", "vertical", "smoothed", "set", "sensor", "measured", "surface", "z",
+        "grip", "to",
     ];
     let words = words(name);
     let has = |known: &[&str]| words.iter().any(|word| known.contains(&&word[..]));
@@ -366,7 +437,13 @@ mod tests {
             ("Fz, uN", "force", "uN"),
             ("Z-Sense(nm)", "displacement", "nm"),
             ("Z Position (\u{b5}m)", "displacement", "\u{b5}m"),
-            ("Load On Sample (uN)", "", ""),
+            ("Load On Sample (uN)", "force", "uN"),
+            ("Displacement Into Surface [nm]", "displacement", "nm"),
+            ("Ch 1 Kraft [kN]", "force", "kN"),
+            ("Force A [mN]", "force", "mN"),
+            ("Temps d'essai [s]", "time", "s"),
+            ("\u{4f4d}\u{79fb}(mm)", "displacement", "mm"),
+            ("Force setpoint A", "", ""),
             ("ContactRadius_um", "contact_radius", "um"),
             ("Contact radius [mm]", "contact_radius", "mm"),
             ("Crosshead load N", "force", "N"),

@@ -1,8 +1,9 @@
 //! The interpretation of a file, and the hints of the user.
 
-use super::column::Column;
+use super::column::{Column, DataError};
 use super::heading::split_unit;
 use super::units::{example_unit, is_unit, sensitivity};
+use fakir::state::Branch;
 
 /// A column of a file or a table, and its interpretation.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -39,6 +40,8 @@ pub enum SkipReason {
     NotMeasured,
     /// Text: markers between the rows, footers.
     Text,
+    /// A pause between the branches.
+    Pause,
     /// Not selected.
     NotSelected,
 }
@@ -50,6 +53,7 @@ impl SkipReason {
         match self {
             Self::NotMeasured => "not_measured",
             Self::Text => "text",
+            Self::Pause => "pause",
             Self::NotSelected => "not_selected",
         }
     }
@@ -58,6 +62,7 @@ impl SkipReason {
         match self {
             Self::NotMeasured => "without a value",
             Self::Text => "of text",
+            Self::Pause => "of a pause",
             Self::NotSelected => "not selected",
         }
     }
@@ -89,6 +94,8 @@ pub struct Layout {
     pub notes: Vec<String>,
     /// Whether the sign of position or force is that of an instrument, which the data show.
     pub(super) is_sign_open: bool,
+    /// The first line that cannot be read, if rows before it are selected.
+    pub(super) failure: Option<DataError>,
     /// Compliance of the cantilever whose deflection is the force, m/N; it belongs to the instrument if the position is that of its base.
     pub cantilever_compliance: Option<f64>,
 }
@@ -177,6 +184,22 @@ pub struct Hints {
     pub named: Vec<NamedColumn>,
     /// Spring constant of the cantilever, N/m: a column of its deflection is then read as the force.
     pub spring_constant: Option<f64>,
+    /// The last row that is used, from 1: rows below it may contain anything.
+    pub last_row: Option<usize>,
+    /// Whether rows of pauses between the branches are used, as with viscoelastic bodies.
+    pub has_pauses: bool,
+}
+
+impl Hints {
+    /// The hints for the columns of a branch.
+    pub(super) fn of_branch(&self, branch: Branch) -> Self {
+        let named = self.named.iter();
+        let own = named.filter(|named| named.branch.is_none_or(|of| of == branch));
+        Self {
+            named: own.cloned().collect(),
+            ..self.clone()
+        }
+    }
 }
 
 impl From<&[NamedColumn]> for Hints {
@@ -201,6 +224,8 @@ pub struct NamedColumn {
     pub factors: Vec<String>,
     /// Whether it is the deflection of a cantilever, which its spring constant converts to the force.
     pub is_deflection: bool,
+    /// The branch in its heading, if both branches are side by side.
+    pub(super) branch: Option<Branch>,
 }
 
 impl NamedColumn {
@@ -248,6 +273,7 @@ impl NamedColumn {
             negated,
             factors,
             is_deflection,
+            branch: None,
         })
     }
 

@@ -154,8 +154,13 @@ impl Measurements {
     /// As [`read`](Self::read).
     pub fn from_bytes(name: &str, bytes: &[u8], hints: &Hints) -> Result<Self, DataError> {
         let reader = Reader { name };
-        let (layout, columns, rows) = reader.table(bytes, hints)?;
-        reader.measurements(layout, &columns, rows)
+        let (mut layout, columns, rows) = reader.table(bytes, hints)?;
+        let failure = layout.failure.take();
+        let measurements = reader.measurements(layout, &columns, rows)?;
+        match (failure, hints.last_row) {
+            (Some(failure), Some(last)) if measurements.rows.len() < last => Err(failure),
+            _ => Ok(measurements),
+        }
     }
 
     /// Reads columns by their headings, as in a file, with values in the unit of the heading; `None` for columns that do not contain numbers and
@@ -430,7 +435,24 @@ fn orient(layout: &mut Layout, rows: &mut [(u64, RowValues)], position: Position
         _ => reversed(rows, layout.is_sign_open),
     };
     // One sign alone is not changed if both are wrong.
-    if (found.position && !can_turn_position) || (found.force && !can_turn_force) {
+    let is_wrong = |column: Option<Column>| match column {
+        Some(Column::Force) => found.force && !can_turn_force,
+        Some(column) => positions.contains(&column) && found.position && !can_turn_position,
+        None => false,
+    };
+    let wrong = layout.columns.iter().filter(|read| is_wrong(read.column));
+    let wrong: Vec<String> = wrong
+        .filter_map(|read| Some((read.column?.quantity(), read)))
+        .map(|(quantity, read)| {
+            let sign = if read.negated { "" } else { "-" };
+            format!("{quantity}=\"{sign}{}\"", read.heading)
+        })
+        .collect();
+    if !wrong.is_empty() {
+        layout.notes.push(format!(
+            "the data look like a compression with another sign, which is not reversed where the name or the user defines it: did you mean {}?",
+            wrong.join(" and ")
+        ));
         return;
     }
     let mut turn = |wanted: &[Column], note: &str| {

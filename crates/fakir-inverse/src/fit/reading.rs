@@ -10,7 +10,7 @@ use super::cells::{
 };
 use super::column::{Column, DataError};
 use super::heading::{
-    Substitute, branch_of, has_factor, quantity_of, split_branch, split_unit, substitute, volts_of,
+    Substitute, branch_of, has_factor, is_pause, quantity_of, split_branch, split_unit, substitute, volts_of,
     without_brackets,
 };
 use super::layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason};
@@ -60,6 +60,7 @@ struct Candidate {
     unit: Option<String>,
     negated: bool,
     by_hand: bool,
+    is_deflection: bool,
     factors: Vec<String>,
     branch: Option<Branch>,
 }
@@ -79,6 +80,7 @@ fn candidate(place: usize, heading: &str, hints: &Hints) -> Option<Candidate> {
             unit: given.or(unit).or_else(volts),
             negated: named.negated,
             by_hand: true,
+            is_deflection: named.is_deflection,
             factors,
             branch: None,
         });
@@ -89,6 +91,7 @@ fn candidate(place: usize, heading: &str, hints: &Hints) -> Option<Candidate> {
         unit,
         negated: false,
         by_hand: false,
+        is_deflection: false,
         factors: Vec::new(),
         branch: None,
     })
@@ -121,12 +124,16 @@ fn candidate_of_branch(
     hints: &Hints,
     are_beside: bool,
 ) -> Option<Candidate> {
-    let found = candidate(place, heading, hints);
-    if found.is_some() || !are_beside {
-        return found;
+    let named = split_branch(heading).filter(|_| are_beside);
+    let Some((branch, rest)) = named else {
+        return candidate(place, heading, hints);
+    };
+    let hints = hints.of_branch(branch);
+    let whole = candidate(place, heading, &hints);
+    if whole.as_ref().is_some_and(|found| !found.by_hand) {
+        return whole;
     }
-    let (branch, rest) = split_branch(heading)?;
-    let found = candidate(place, &rest, hints)?;
+    let found = whole.or_else(|| candidate(place, &rest, &hints))?;
     Some(Candidate {
         branch: Some(branch),
         ..found
@@ -163,26 +170,36 @@ impl Reader<'_> {
         hints: &Hints,
     ) -> Result<Heading, DataError> {
         let fail = |heading: &str, problem: String| self.fail(line, Some(heading), problem);
-        for (number, named) in hints.named.iter().enumerate() {
+        let are_beside = line.is_some() && are_branches_beside(headings, hints);
+        let mut hints = hints.clone();
+        for number in 0..hints.named.len() {
+            let named = &hints.named[number];
             let meant = headings.iter().enumerate();
             let meant = meant.filter(|(place, heading)| named.matches(*place, heading).is_some());
-            let is_again = |other: &NamedColumn| other.column == named.column;
+            let branches = meant.clone().filter_map(|(_, heading)| split_branch(heading));
+            let branch = branches.map(|(branch, _)| branch).next();
+            let branch = branch.filter(|_| are_beside);
+            let is_again =
+                |other: &NamedColumn| other.column == named.column && other.branch == branch;
             let problem = match meant.count() {
                 1 if hints.named[..number].iter().any(is_again) => {
                     format!("a second column of {}: give one", named.column.name())
                 }
-                1 => continue,
+                1 => {
+                    hints.named[number].branch = branch;
+                    continue;
+                }
                 0 => format!("no column of that heading; there are {}", quoted(headings)),
                 count => format!("{count} columns of that heading: give its number, as #2"),
             };
             return Err(fail(&named.heading, problem));
         }
+        let hints = &hints;
         let deflection = hints.named.iter().find(|named| named.is_deflection);
         if let (Some(named), None) = (deflection, hints.spring_constant) {
             let problem = "a deflection takes the spring constant of the cantilever: give --spring-constant, as 0.2N/m (in Python spring_constant)";
             return Err(fail(&named.heading, problem.to_owned()));
         }
-        let are_beside = line.is_some() && are_branches_beside(headings, hints);
         let mut columns: Vec<ReadColumn> = Vec::new();
         let mut used: Vec<Used> = Vec::new();
         let mut problems: Vec<(Column, usize, DataError)> = Vec::new();
@@ -209,12 +226,16 @@ impl Reader<'_> {
                         column.quantity()
                     )),
                     Some(unit) => Scale::of(column, unit, &candidate.factors).map(Some),
-                    None => Err(format!(
-                        "no unit: write it into the heading, as \"{heading} [{unit}]\", into a row below the headings, or \
-                         name the column by hand: {}=\"{heading} [{unit}]\"",
-                        column.quantity(),
-                        unit = example_unit(column)
-                    )),
+                    None => {
+                        let (quantity, unit) = match candidate.is_deflection {
+                            true => ("deflection", "nm"),
+                            false => (column.quantity(), example_unit(column)),
+                        };
+                        Err(format!(
+                            "no unit: write it into the heading, as \"{heading} [{unit}]\", into a row below the headings, or \
+                             name the column by hand: {quantity}=\"{heading} [{unit}]\""
+                        ))
+                    }
                 };
                 match scale {
                     Ok(scale) => {
@@ -282,7 +303,11 @@ impl Reader<'_> {
             false => &[None],
         };
         for branch in branches {
-            heading.substitute(units, hints, *branch);
+            let own = branch.map(|branch| hints.of_branch(branch));
+            heading.substitute(units, own.as_ref().unwrap_or(hints), *branch);
+        }
+        if are_beside {
+            heading.leave_incomplete_branch();
         }
         self.check_units(&heading, units, are_beside)?;
         let has = |column| heading.used.iter().any(|used| used.column == column);
@@ -506,14 +531,15 @@ impl Reader<'_> {
         let mut rows = Rows {
             notation: reading.notation,
             label: label.and_then(branch_of),
+            is_pause: label.is_some_and(is_pause),
+            keeps_pauses: hints.has_pauses,
             ..Rows::default()
         };
         // Whether the previous row was a heading, or the name of a statistic alone.
         let (mut is_heading, mut is_label) = (false, false);
-        for (index, text) in lines.iter().enumerate().skip(first) {
+        let mut read = |index: usize, text: &str| -> Result<(), DataError> {
             if !is_row(text) {
-                self.check_segment(number(index), text, &lines, line, &mut rows)?;
-                continue;
+                return self.check_segment(number(index), text, &lines, line, &mut rows);
             }
             let cells = cells_of(text);
             let is_again = cells == headings || (!units.is_empty() && cells == units);
@@ -521,7 +547,7 @@ impl Reader<'_> {
             let only = full.next().filter(|_| full.next().is_none());
             let was_heading = std::mem::replace(&mut is_heading, is_again);
             if is_again {
-                continue;
+                return Ok(());
             }
             let other = Other {
                 cells: &cells,
@@ -532,7 +558,7 @@ impl Reader<'_> {
             if !rows.rows.is_empty() && !are_by_number(&hints) {
                 if other.repeats(&headings) {
                     is_heading = true;
-                    continue;
+                    return Ok(());
                 }
                 if let Some(problem) = other.problem(was_heading) {
                     let first = line.map_or(String::new(), |line| format!(" of line {}", line + 1));
@@ -551,11 +577,11 @@ impl Reader<'_> {
             };
             if is_summary(&cells, &seen, labels) || is_below_label && ends() {
                 rows.text.push(number(index));
-                continue;
+                return Ok(());
             }
             if let Some(branch) = only.and_then(|cell| branch_of(cell)) {
                 rows.label = Some(branch);
-                continue;
+                return Ok(());
             }
             self.row(
                 number(index),
@@ -564,7 +590,18 @@ impl Reader<'_> {
                 separator,
                 &mut heading,
                 &mut rows,
-            )?;
+            )
+        };
+        let mut failure = None;
+        for (index, text) in lines.iter().enumerate().skip(first) {
+            failure = read(index, text).err();
+            if failure.is_some() {
+                break;
+            }
+        }
+        match failure {
+            Some(failure) if hints.last_row.is_none() => return Err(failure),
+            failure => heading.layout.failure = failure,
         }
         if let (Some((line, column, text)), true) = (&rows.comma, rows.has_point) {
             let problem = format!(
@@ -584,6 +621,7 @@ impl Reader<'_> {
             columns.push(Column::Branch);
         }
         heading.layout.skip(SkipReason::Text, rows.text);
+        heading.layout.skip(SkipReason::Pause, rows.pauses);
         rows.rows.extend(rows.unloading);
         Ok((heading.layout, columns, rows.rows))
     }
@@ -599,6 +637,9 @@ impl Reader<'_> {
     ) -> Result<(), DataError> {
         if let Some(branch) = value_of(text, "segment").and_then(branch_of) {
             rows.label = Some(branch);
+        }
+        if let Some(segment) = value_of(text, "segment") {
+            rows.is_pause = is_pause(segment);
         }
         let names = value_of(text, "columns");
         let before = heading.and_then(|heading| value_of(lines[heading], "columns"));
@@ -623,25 +664,29 @@ impl Reader<'_> {
         }
         // Headings in a comment are used if there are no others, then those separated by blanks, then those whose quantities are only
         // substitutes, and at last headings of a single column.
-        let search = |commented, least, with_substitutes, separators: &[char]| {
+        let search = |above_numbers, commented, least, with_substitutes, separators: &[char]| {
             let search = Search {
                 hints,
+                above_numbers,
                 commented,
                 least,
                 with_substitutes,
             };
             search.heading(lines, separators)
         };
-        let pair = |with_substitutes, separators: &[char]| {
-            search(false, 2, with_substitutes, separators)
-                .or_else(|| search(true, 2, with_substitutes, separators))
+        let any = |above_numbers| {
+            let pair = |with_substitutes, separators: &[char]| {
+                search(above_numbers, false, 2, with_substitutes, separators)
+                    .or_else(|| search(above_numbers, true, 2, with_substitutes, separators))
+            };
+            pair(false, &SEPARATORS)
+                .or_else(|| pair(false, &[BLANKS]))
+                .or_else(|| pair(true, &SEPARATORS))
+                .or_else(|| pair(true, &[BLANKS]))
+                .or_else(|| search(above_numbers, false, 1, false, &SEPARATORS))
         };
-        let found = pair(false, &SEPARATORS)
-            .or_else(|| pair(false, &[BLANKS]))
-            .or_else(|| pair(true, &SEPARATORS))
-            .or_else(|| pair(true, &[BLANKS]))
-            .or_else(|| search(false, 1, false, &SEPARATORS));
-        if let Some(place) = found {
+        // Words of a header may be those of headings, but are not above numbers.
+        if let Some(place) = any(true).or_else(|| any(false)) {
             return Ok(place);
         }
         let quantities = Column::ALL.map(Column::name).join(", ");
@@ -688,17 +733,27 @@ impl Reader<'_> {
                 is_row.then_some((index, cells))
             });
             if let Some((index, cells)) = found {
-                // The previous line may contain headings, if it has as many columns.
-                let before = index
-                    .checked_sub(1)
-                    .map(|line| self::cells(lines[line], separator));
-                let before = before.filter(|before| before.len() == cells.len());
-                let is_heading = before.is_some();
+                // The previous line may contain headings, or units below them, if it has as many columns.
+                let above = |line: usize| {
+                    let above = self::cells(lines[line], separator);
+                    (above.len() == cells.len()).then_some(above)
+                };
+                let are_units = |cells: &Vec<String>| {
+                    let mut full = cells.iter().filter(|cell| !cell.is_empty());
+                    full.clone().next().is_some()
+                        && full.all(|cell| is_unit(without_brackets(cell)))
+                };
+                let place = index.checked_sub(1).filter(|line| above(*line).is_some());
+                let of_units = place.filter(|line| above(*line).is_some_and(|it| are_units(&it)));
+                let higher = of_units.and_then(|line| line.checked_sub(1));
+                let higher = higher.filter(|line| above(*line).is_some());
+                let place = higher.or(place);
+                let before = place.and_then(above);
                 let numbers = (1..=cells.len()).map(|number| format!("#{number}"));
                 return Ok(Place {
                     separator,
-                    line: index.checked_sub(1).filter(|_| is_heading),
-                    first: index,
+                    line: place,
+                    first: place.map_or(index, |line| line + 1),
                     headings: before.unwrap_or_else(|| numbers.collect()),
                 });
             }
@@ -733,6 +788,14 @@ impl Reader<'_> {
                     ": if numbers have decimal commas, separate the columns by semicolons or tabs";
             }
             return Err(self.fail(Some(line), None, problem));
+        }
+        let words = heading.used.iter();
+        let mut words = words.filter(|used| used.column == Column::Branch);
+        if rows.is_pause || words.any(|used| is_pause(&cells[used.place])) {
+            if !rows.keeps_pauses {
+                rows.pauses.push(line);
+                return Ok(());
+            }
         }
         let mut values: Vec<(Option<Branch>, Column, f64)> = Vec::new();
         let mut dropped = None;
@@ -804,6 +867,33 @@ impl Reader<'_> {
 }
 
 impl Heading {
+    /// Leaves out the columns of a branch without position or force if the other one has both.
+    fn leave_incomplete_branch(&mut self) {
+        let has = |branch: Branch, wanted: &[Column]| {
+            let mut used = self.used.iter();
+            used.any(|used| {
+                used.branch.is_none_or(|of| of == branch) && wanted.contains(&used.column)
+            })
+        };
+        let is_complete = |branch: Branch| {
+            has(branch, &[Column::Displacement, Column::Indentation])
+                && has(branch, &[Column::Force, Column::ContactRadius])
+        };
+        let (left, name) = match [Branch::Loading, Branch::Unloading].map(is_complete) {
+            [true, false] => (Branch::Unloading, "loading"),
+            [false, true] => (Branch::Loading, "unloading"),
+            _ => return,
+        };
+        for used in self.used.iter().filter(|used| used.branch == Some(left)) {
+            let read = &mut self.layout.columns[used.place];
+            (read.column, read.unit) = (None, None);
+        }
+        self.used.retain(|used| used.branch != Some(left));
+        self.layout.notes.push(format!(
+            "only the columns of {name} are used: of the other branch, position or force is not understood, and its columns can be named by hand too"
+        ));
+    }
+
     /// Uses columns that may stand for the position or the force if no other column does.
     fn substitute(&mut self, units: &[String], hints: &Hints, branch: Option<Branch>) {
         let has = |columns: &[Column]| {
@@ -955,6 +1045,7 @@ impl Other<'_> {
         let is_heading = |cells: &Vec<String>| {
             let search = Search {
                 hints: self.hints,
+                above_numbers: false,
                 commented: false,
                 least: 1,
                 with_substitutes: true,
@@ -1041,6 +1132,11 @@ struct Rows {
     text: Vec<u64>,
     /// Branch that a line between the rows named.
     label: Option<Branch>,
+    /// Whether such a line named a pause.
+    is_pause: bool,
+    keeps_pauses: bool,
+    /// Lines of pauses that are not used.
+    pauses: Vec<u64>,
     /// The first number with a comma: line, column and text.
     comma: Option<(u64, String, String)>,
     has_point: bool,
@@ -1058,6 +1154,8 @@ struct Place {
 /// A search for the headings.
 struct Search<'a> {
     hints: &'a Hints,
+    /// Whether rows of numbers follow them.
+    above_numbers: bool,
     /// Whether they are in a comment.
     commented: bool,
     /// Fewest columns that are recognised.
@@ -1099,7 +1197,10 @@ impl Search<'_> {
                     // A line of LabVIEW before the heading names the same quantity for every channel.
                     let different = known.iter().collect::<HashSet<_>>().len();
                     let known = known.len();
-                    (different >= self.least).then(|| {
+                    let is_heading = different >= self.least
+                        && (!self.above_numbers
+                            || are_numbers_below(&lines[first..], *separator, headings.len()));
+                    is_heading.then(|| {
                         let place = Place {
                             separator: *separator,
                             line: Some(index),
@@ -1139,6 +1240,30 @@ impl Search<'_> {
         candidate_of_branch(place, heading, self.hints, are_beside).is_some()
             || self.with_substitutes && stands_for()
     }
+}
+
+/// Whether rows of so many cells with two numbers follow, before a row of words that are not units.
+fn are_numbers_below(lines: &[&str], separator: char, count: usize) -> bool {
+    /// Most lines in which numbers are searched for.
+    const MOST_LINES: usize = 20;
+    let separator = row_separator(lines, 0, separator, count).unwrap_or(separator);
+    let rows = lines.iter().filter(|line| !line.trim().is_empty());
+    for line in rows.take(MOST_LINES) {
+        let mut cells = cells(line, separator);
+        while cells.len() > count && cells.last().is_some_and(String::is_empty) {
+            cells.pop();
+        }
+        let numbers = cells.iter().filter(|cell| is_number(cell)).count();
+        if numbers >= count.min(2) {
+            return cells.len() == count;
+        }
+        let words = cells.iter().filter(|cell| !is_not_measured(cell));
+        let words = words.filter(|cell| !is_unit(without_brackets(cell)));
+        if cells.len() == count && words.count() == count {
+            return false;
+        }
+    }
+    false
 }
 
 /// Headings that are separated by blanks: each word with the bracket after it, or words that two blanks or more separate.
@@ -1193,20 +1318,18 @@ fn unit_row(
         (index, units)
     });
     let (index, units) = rows.find(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()))?;
-    let is_plain = units.iter().all(|cell| !is_number(cell));
     let are_beside = are_branches_beside(headings, hints);
-    let is_there = headings
-        .iter()
-        .zip(&units)
-        .enumerate()
-        .any(|(place, (heading, unit))| {
-            let rest = split_branch(heading).filter(|_| are_beside);
-            let rest = rest.map_or(heading.clone(), |(_, rest)| rest);
-            let is_used = candidate_of_branch(place, heading, hints, are_beside).is_some()
-                || substitute(&split_unit(&rest).0).is_some();
-            is_used && is_unit(without_brackets(unit))
-        });
-    (is_plain && is_there).then_some((index + 1, units))
+    // Other columns may have numbers in this row.
+    let used = headings.iter().zip(&units).enumerate();
+    let used = used.filter(|(place, (heading, _))| {
+        let rest = split_branch(heading).filter(|_| are_beside);
+        let rest = rest.map_or((*heading).clone(), |(_, rest)| rest);
+        candidate_of_branch(*place, heading, hints, are_beside).is_some()
+            || substitute(&split_unit(&rest).0).is_some()
+    });
+    let mut used = used.map(|(_, (_, unit))| unit);
+    let is_there = used.clone().any(|unit| is_unit(without_brackets(unit)));
+    (is_there && !used.any(|cell| is_number(cell))).then_some((index + 1, units))
 }
 
 fn quoted(headings: &[String]) -> String {

@@ -4,28 +4,47 @@ use super::column::Column;
 use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
 
 /// Names of units in files of instruments, and the units of case files for which they stand. Masses stand for their weights.
-const OTHER_NAMES: [(&str, &str); 21] = [
+const OTHER_NAMES: [(&str, &str); 12] = [
     ("A", "\u{c5}"),
-    ("micron", "um"),
-    ("microns", "um"),
-    ("micrometer", "um"),
-    ("nanometer", "nm"),
-    ("meter", "m"),
-    ("meters", "m"),
-    ("inch", "in"),
-    ("inches", "in"),
-    ("mils", "mil"),
+    ("in.", "in"),
     ("thou", "mil"),
-    ("newton", "N"),
-    ("newtons", "N"),
-    ("dyne", "dyn"),
-    ("dynes", "dyn"),
+    ("KN", "kN"),
+    ("gF", "gf"),
     ("mg", "mgf"),
     ("g", "gf"),
     ("kg", "kgf"),
     ("lb", "lbf"),
     ("lbs", "lbf"),
+    ("Lbs", "lbf"),
     ("oz", "ozf"),
+];
+
+/// The same in small letters, for names in any letters.
+const WORDS: [(&str, &str); 24] = [
+    ("micron", "um"),
+    ("micrometer", "um"),
+    ("micrometre", "um"),
+    ("nanometer", "nm"),
+    ("nanometre", "nm"),
+    ("millimeter", "mm"),
+    ("millimetre", "mm"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("inch", "in"),
+    ("inche", "in"),
+    ("mil", "mil"),
+    ("newton", "N"),
+    ("kilonewton", "kN"),
+    ("millinewton", "mN"),
+    ("micronewton", "uN"),
+    ("dyne", "dyn"),
+    ("gram", "gf"),
+    ("kilogram", "kgf"),
+    ("pound", "lbf"),
+    ("ounce", "ozf"),
+    ("kgf", "kgf"),
+    ("lbf", "lbf"),
+    ("ozf", "ozf"),
 ];
 
 /// Units of time.
@@ -45,8 +64,15 @@ const VOLTS: [(&str, f64); 3] = [("V", 1.0), ("mV", 1e-3), ("uV", 1e-6)];
 
 /// The unit of case files that is meant.
 fn usual_name(unit: &str) -> &str {
-    let other = OTHER_NAMES.iter().find(|(name, _)| *name == unit);
-    other.map_or(unit, |(_, usual)| usual)
+    let of = |names: &'static [(&str, &'static str)], unit: &str| {
+        let mut names = names.iter();
+        names.find(|(name, _)| *name == unit).map(|(_, usual)| *usual)
+    };
+    let lower = unit.to_lowercase();
+    let singular = lower.strip_suffix('s').unwrap_or(&lower);
+    of(&OTHER_NAMES, unit)
+        .or_else(|| of(&WORDS, singular))
+        .unwrap_or(unit)
 }
 
 /// Conversion of the numbers of a column to SI units.
@@ -232,6 +258,13 @@ mod tests {
             (Column::Force, "pN", "5", 5e-12),
             (Column::Force, "g", "2", 2.0 * 9.80665e-3),
             (Column::Time, "min", "2", 120.0),
+            (Column::Force, "Newtons", "2", 2.0),
+            (Column::Force, "kgF", "2", 2.0 * 9.80665),
+            (Column::Force, "grams", "2", 2.0 * 9.80665e-3),
+            (Column::Force, "daN", "3", 30.0),
+            (Column::Force, "cN", "3", 0.03),
+            (Column::Displacement, "Millimeters", "2", 2e-3),
+            (Column::Displacement, "in.", "2", 0.0508),
         ] {
             let read = scale(column, unit).value(number).unwrap();
             assert!(close(read, value), "{unit}: {read}");
