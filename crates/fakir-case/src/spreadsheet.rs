@@ -32,8 +32,17 @@ pub(crate) fn to_text(bytes: &[u8], name: Option<&str>, most: u64) -> Result<Str
     let shared = shared_texts(&shared);
     let members = sheets(&workbook, &relations);
     let quoted = |names: &mut dyn Iterator<Item = &String>| {
-        let names: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
-        names.join(", ")
+        /// Most names in a message.
+        const MOST: usize = 12;
+        let mut names: Vec<String> = names.map(|name| format!("\"{name}\"")).collect();
+        let more = names.len().saturating_sub(MOST);
+        names.truncate(MOST);
+        let rest = if more == 0 {
+            String::new()
+        } else {
+            format!(" and {more} more")
+        };
+        names.join(", ") + &rest
     };
     let is_wanted = |other: &str| name.is_none_or(|name| name == other);
     let mut found: Vec<Sheet> = Vec::new();

@@ -638,32 +638,31 @@ impl<'a> Model<'a> {
             Some((
                 row.position?.value,
                 (row.force?.value - offset) / stiffer(row),
-                row.line,
             ))
         });
         let away = |force: f64| (force / wanted).ln().abs();
         let nearest = loaded
-            .filter(|(_, force, _)| *force > 0.0)
+            .filter(|(_, force)| *force > 0.0)
             .min_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-        match nearest {
-            Some((position, force, line)) => {
-                let state = if self.is_map() {
-                    // Up to the largest force, so that the curve need not be extended.
-                    let largest = larger(force, self.largest_force());
-                    self.curve(&self.start.case, Reach::Force(largest))?;
-                    self.state_of_map(&self.start, MeasuredBy::Force, force)?
-                } else {
-                    let place = format!("{}:{line}", self.data.name());
-                    let state = self.solve(&self.start.case, Load::Force(force));
-                    state.map_err(|error| FitError::from(error).within(&place))?
-                };
-                Ok(position - self.start.machine_compliance * force - state.indentation)
+        let positions = self.data.rows().iter().filter_map(|row| row.position);
+        let smallest = positions.map(|p| p.value).fold(f64::INFINITY, f64::min);
+        let Some((position, force)) = nearest else {
+            return Ok(smallest);
+        };
+        let indentation = if self.is_map() {
+            // Up to the largest force, so that the curve need not be extended.
+            let largest = larger(force, self.largest_force());
+            self.curve(&self.start.case, Reach::Force(largest))?;
+            self.state_of_map(&self.start, MeasuredBy::Force, force)?.indentation
+        } else {
+            match self.solve(&self.start.case, Load::Force(force)).map_err(FitError::from) {
+                Ok(state) => state.indentation,
+                // Bodies much softer than the measured ones have no contact under this force.
+                Err(error) if error.is_out_of_reach() => return Ok(smallest),
+                Err(error) => return Err(error),
             }
-            None => {
-                let positions = self.data.rows().iter().filter_map(|row| row.position);
-                Ok(positions.map(|p| p.value).fold(f64::INFINITY, f64::min))
-            }
-        }
+        };
+        Ok(position - self.start.machine_compliance * force - indentation)
     }
 
     /// Moves the initial contact point by quarters of the range of the data until most rows can be modelled: an unknown force offset may have led to a much

@@ -268,6 +268,19 @@ impl Reader<'_> {
                 return Err(problem);
             }
         }
+        // Times of several curves side by side: which of them is meant is not known, and most fits take none.
+        let times = used.iter().filter(|used| used.column == Column::Time);
+        let times: Vec<&String> = times.map(|used| &headings[used.place]).collect();
+        let are_alike = times.iter().all(|heading| *heading == times[0]);
+        let of_time = |used: &Used| {
+            used.column == Column::Time && used.branch.is_none() && are_alike
+        };
+        if used.iter().filter(|used| of_time(used)).count() > 1 {
+            for used in used.iter().filter(|used| of_time(used)) {
+                (columns[used.place].column, columns[used.place].unit) = (None, None);
+            }
+            used.retain(|used| !of_time(used));
+        }
         for (number, one) in used.iter().enumerate() {
             let Some(other) = used[..number]
                 .iter()

@@ -48,9 +48,10 @@ const WORDS: [(&str, &str); 24] = [
 ];
 
 /// Units of time.
-const TIMES: [(&str, f64); 8] = [
+const TIMES: [(&str, f64); 9] = [
     ("s", 1.0),
     ("sec", 1.0),
+    ("sec.", 1.0),
     ("seconds", 1.0),
     ("ms", 1e-3),
     ("us", 1e-6),

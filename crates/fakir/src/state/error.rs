@@ -26,8 +26,8 @@ pub enum SolveError {
     /// The contact would extend beyond half the lens radius.
     #[error(
         "the contact would reach {:.3e} m from the lens axis, more than half the lens radius \
-         {lens_radius:.3e} m, where a lens is not a half-space: lower the load, use lower pillars \
-         or a larger lens", .contact_radius
+         {lens_radius:.3e} m, where a lens is not a half-space: lower the load or use a larger \
+         lens", .contact_radius
     )]
     ContactExceedsLens {
         /// Contact radius, or a lower bound on it, m.
