@@ -215,7 +215,10 @@ mod tests {
     fn cells_over_several_lines() {
         let of = |text: &str| text_of(text.as_bytes()).unwrap().into_owned();
         let table = "a\n\"Load\n(N)\",\"Extension\r\n(mm)\",t\n1,2,3\n";
-        assert_eq!(of(table), "a\n\"Load (N)\",\"Extension (mm)\",t\n\n\n1,2,3\n");
+        assert_eq!(
+            of(table),
+            "a\n\"Load (N)\",\"Extension (mm)\",t\n\n\n1,2,3\n"
+        );
         // Inches, and quotes that are never closed before the next row.
         for text in ["5\" x 3\"\n2,\"3\n", "\"Sample\n\"Load\",\"Time\"\n1,2\n"] {
             assert_eq!(of(text), text);

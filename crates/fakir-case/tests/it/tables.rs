@@ -85,10 +85,16 @@ fn one_of_several_sheets() {
         let mut members = Vec::new();
         for (place, (name, rows)) in sheets.iter().enumerate() {
             names += &format!("<sheet name=\"{name}\" r:id=\"r{place}\"/>");
-            relations += &format!("<Relationship Id=\"r{place}\" Target=\"/{}\"/>", number(place));
+            relations += &format!(
+                "<Relationship Id=\"r{place}\" Target=\"/{}\"/>",
+                number(place)
+            );
             members.push((number(place), sheet(rows)));
         }
-        members.push(("xl/workbook.xml".to_owned(), format!("<workbook>{names}</workbook>")));
+        members.push((
+            "xl/workbook.xml".to_owned(),
+            format!("<workbook>{names}</workbook>"),
+        ));
         members.push(("xl/_rels/workbook.xml.rels".to_owned(), relations));
         let members = members.iter();
         let members = members.map(|(name, content)| (&name[..], content.as_bytes()));

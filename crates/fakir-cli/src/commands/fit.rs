@@ -102,7 +102,7 @@ fn text(data: &Measurements, case: &Described, fitted: &Fit, wall_time: f64) -> 
     let out = fitted.past_transition().count();
     let out = match out {
         0 => String::new(),
-        count => format!(", {count} of them past the transition and left out"),
+        count => format!(", {count} of them left out"),
     };
     let mut text = format!(
         "{}: {rows} states{out}\n{}{}\n{}, {} in {} steps, in {}\n\n",

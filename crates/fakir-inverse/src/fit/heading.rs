@@ -131,7 +131,10 @@ const QUANTITIES: [(&str, Column); 58] = [
     ("\u{4f4d}\u{79fb}", Column::Displacement),
     ("\u{5909}\u{4f4d}", Column::Displacement),
     ("\u{538b}\u{5165}\u{6df1}\u{5ea6}", Column::Displacement),
-    ("\u{62bc}\u{8fbc}\u{307f}\u{6df1}\u{3055}", Column::Displacement),
+    (
+        "\u{62bc}\u{8fbc}\u{307f}\u{6df1}\u{3055}",
+        Column::Displacement,
+    ),
 ];
 
 /// Words that name a quantity unless another word does: `z position`, `normal force fz`.
@@ -176,7 +179,7 @@ const LATERAL: [&str; 6] = [
 ];
 
 /// Words without effect that may accompany the name.
-const FILLERS: [&str; 42] = [
+const FILLERS: [&str; 41] = [
     "normal",
     "measured",
     "contact",
@@ -212,7 +215,6 @@ const FILLERS: [&str; 42] = [
     "crosshead",
     "test",
     "running",
-    "step",
     "penetration",
     "calc",
     "de",

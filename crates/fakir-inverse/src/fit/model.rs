@@ -653,9 +653,13 @@ impl<'a> Model<'a> {
             // Up to the largest force, so that the curve need not be extended.
             let largest = larger(force, self.largest_force());
             self.curve(&self.start.case, Reach::Force(largest))?;
-            self.state_of_map(&self.start, MeasuredBy::Force, force)?.indentation
+            self.state_of_map(&self.start, MeasuredBy::Force, force)?
+                .indentation
         } else {
-            match self.solve(&self.start.case, Load::Force(force)).map_err(FitError::from) {
+            match self
+                .solve(&self.start.case, Load::Force(force))
+                .map_err(FitError::from)
+            {
                 Ok(state) => state.indentation,
                 // Bodies much softer than the measured ones have no contact under this force.
                 Err(error) if error.is_out_of_reach() => return Ok(smallest),

@@ -10,8 +10,8 @@ use super::cells::{
 };
 use super::column::{Column, DataError};
 use super::heading::{
-    Substitute, branch_of, has_factor, is_pause, quantity_of, split_branch, split_unit, substitute, volts_of,
-    without_brackets,
+    Substitute, branch_of, has_factor, is_pause, quantity_of, split_branch, split_unit, substitute,
+    volts_of, without_brackets,
 };
 use super::layout::{Hints, Layout, NamedColumn, ReadColumn, SkipReason};
 use super::segments::{
@@ -176,7 +176,9 @@ impl Reader<'_> {
             let named = &hints.named[number];
             let meant = headings.iter().enumerate();
             let meant = meant.filter(|(place, heading)| named.matches(*place, heading).is_some());
-            let branches = meant.clone().filter_map(|(_, heading)| split_branch(heading));
+            let branches = meant
+                .clone()
+                .filter_map(|(_, heading)| split_branch(heading));
             let branch = branches.map(|(branch, _)| branch).next();
             let branch = branch.filter(|_| are_beside);
             let is_again =
@@ -272,9 +274,8 @@ impl Reader<'_> {
         let times = used.iter().filter(|used| used.column == Column::Time);
         let times: Vec<&String> = times.map(|used| &headings[used.place]).collect();
         let are_alike = times.iter().all(|heading| *heading == times[0]);
-        let of_time = |used: &Used| {
-            used.column == Column::Time && used.branch.is_none() && are_alike
-        };
+        let of_time =
+            |used: &Used| used.column == Column::Time && used.branch.is_none() && are_alike;
         if used.iter().filter(|used| of_time(used)).count() > 1 {
             for used in used.iter().filter(|used| of_time(used)) {
                 (columns[used.place].column, columns[used.place].unit) = (None, None);
@@ -1255,7 +1256,7 @@ impl Search<'_> {
     }
 }
 
-/// Whether rows of so many cells with two numbers follow, before a row of words that are not units.
+/// Whether rows of at most so many cells with two numbers follow, before a row of words that are not units.
 fn are_numbers_below(lines: &[&str], separator: char, count: usize) -> bool {
     /// Most lines in which numbers are searched for.
     const MOST_LINES: usize = 20;
@@ -1268,7 +1269,8 @@ fn are_numbers_below(lines: &[&str], separator: char, count: usize) -> bool {
         }
         let numbers = cells.iter().filter(|cell| is_number(cell)).count();
         if numbers >= count.min(2) {
-            return cells.len() == count;
+            // LabVIEW leaves out the cell of a comment that ends a row.
+            return cells.len() <= count;
         }
         let words = cells.iter().filter(|cell| !is_not_measured(cell));
         let words = words.filter(|cell| !is_unit(without_brackets(cell)));
@@ -1327,8 +1329,11 @@ fn unit_row(
 ) -> Option<(usize, Vec<String>)> {
     let following = lines.iter().enumerate().skip(first);
     let mut rows = following.map(|(index, line)| {
-        let units = cells(comment(line).unwrap_or(line), separator);
-        (index, units)
+        let text = match is_comment(line, separator, headings.len()) {
+            true => comment(line).unwrap_or(line),
+            false => line,
+        };
+        (index, cells(text, separator))
     });
     let (index, units) = rows.find(|(_, cells)| cells.iter().any(|cell| !cell.is_empty()))?;
     let are_beside = are_branches_beside(headings, hints);

@@ -67,7 +67,9 @@ const VOLTS: [(&str, f64); 3] = [("V", 1.0), ("mV", 1e-3), ("uV", 1e-6)];
 fn usual_name(unit: &str) -> &str {
     let of = |names: &'static [(&str, &'static str)], unit: &str| {
         let mut names = names.iter();
-        names.find(|(name, _)| *name == unit).map(|(_, usual)| *usual)
+        names
+            .find(|(name, _)| *name == unit)
+            .map(|(_, usual)| *usual)
     };
     let lower = unit.to_lowercase();
     let singular = lower.strip_suffix('s').unwrap_or(&lower);

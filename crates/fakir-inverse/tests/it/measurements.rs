@@ -12,6 +12,7 @@ fn read_by_hand(text: &str, named: &[&str], spring_constant: Option<f64>) -> Mea
     let hints = Hints {
         named: named.collect(),
         spring_constant,
+        ..Hints::default()
     };
     Measurements::from_bytes("data", text.as_bytes(), &hints).unwrap()
 }
@@ -63,6 +64,15 @@ fn separators_units_and_numbers() {
         "X_Dimension\tTime\tTime\nX0\t0\t0\nX_Value\tDisplacement (um)\tForce (uN)\tComment\n0\t2.5\t1.5\n1\t3.5\t-2\n",
         // LabVIEW: the last cell of a row, that of the comment, is missing.
         "Time (s)\tDisplacement (um)\tForce (uN)\tComment\n0\t2.5\t1.5\tbegin\n1\t3.5\t-2\n",
+        // Bluehill: headings in quotes over two lines.
+        "\"Extension\n(mm)\",\"Load\n(mN)\"\n0.0025,0.0015\n0.0035,-0.002\n",
+        // MTS: words of the header that are those of headings, a channel before each name, and a row of units in which another column has a number.
+        "Operator Force\tKD\tTime:\t20 s\n\nTime\tCh 1 Kraft\tCh 1 Weg\tB 7\ns\tkN\tmm\t1280\n0\t1,5e-9\t0,0025\t3\n1\t-2e-9\t0,0035\t3\n",
+        "Force,Displacement,Operator\n500 N range,10 mm range,KD\n\nTime (s),Displacement (um),Force (uN)\n0,2.5,1.5\n1,3.5,-2\n",
+        // The letter of a channel is no unit.
+        "Displacement A\tForce A\num\tuN\n2.5\t1.5\n3.5\t-2\n",
+        // NanoSuite: the first cell of the row of units is empty.
+        "Segment;Displacement Into Surface;Load On Sample\n;um;uN\nSurface;2,5;1,5\n;3,5;-2,0\n",
         // Thousands.
         "Displacement (nm);Force (nN)\n\"2,500.0\";\"1,500.0\"\n3 500.0;\"-2,000.0\"\n",
         "Displacement (nm);Force (nN)\n2.500,0;1.500,0\n3'500,0;-2.000,0\n",
@@ -256,6 +266,98 @@ fn branches_side_by_side_and_segments() {
 }
 
 /// As `export_data` of afmformats 0.18 writes it: units are SI, and the height contains the deflection of the cantilever.
+#[test]
+fn one_branch_named_by_hand_keeps_its_own_columns() {
+    let text = "Z_approach (um),F_approach (uN),Z_retract (um),F_retract (uN)\n2,1,3,2\n4,3,1,-1\n";
+    let whole = read(text);
+    let named = read_by_hand(text, &["force=F_approach (uN)"], None);
+    assert_eq!(values(&named), values(&whole));
+    assert_eq!(
+        values(&named),
+        [[2.0, 1.0], [4.0, 3.0], [3.0, 2.0], [1.0, -1.0]]
+    );
+    // Of the other branch no force is understood, until it is named too.
+    let text = "Extend Z (um),Extend T-B (V),Retract Z (um),Retract T-B (V)\n2,1,3,2\n4,3,1,-1\n";
+    let extend = "force=Extend T-B (V)*1 uN/V";
+    let one = read_by_hand(text, &[extend], None);
+    assert_eq!(values(&one), [[2.0, 1.0], [4.0, 3.0]]);
+    assert!(
+        lines(&one).contains("only the columns of loading are used"),
+        "{}",
+        lines(&one)
+    );
+    let both = read_by_hand(text, &[extend, "force=Retract T-B (V)*1 uN/V"], None);
+    assert_eq!(values(&both), values(&whole));
+    assert!(
+        both.rows()
+            .iter()
+            .map(|row| row.branch)
+            .eq(whole.rows().iter().map(|row| row.branch))
+    );
+}
+
+#[test]
+fn pauses_belong_to_viscoelastic_bodies() {
+    let of_jpk = "# segment: extend\n# columns: z f\n# units: um uN\n1 1\n2 2\n\n# segment: pause\n# columns: z f\n2 1.5\n\n# segment: retract\n# columns: z f\n1 0.5\n";
+    let of_column =
+        "segment,z_um,force_uN\napproach,1,1\napproach,2,2\ndwell,2,1.5\nretract,1,0.5\n";
+    for text in [of_jpk, of_column] {
+        let data = read(text);
+        assert_eq!(
+            values(&data),
+            [[1.0, 1.0], [2.0, 2.0], [1.0, 0.5]],
+            "{text}"
+        );
+        let skipped = &data.layout().skipped[0];
+        assert_eq!(
+            (skipped.reason, skipped.lines.len()),
+            (SkipReason::Pause, 1)
+        );
+        let hints = Hints {
+            has_pauses: true,
+            ..Hints::default()
+        };
+        let whole = Measurements::from_bytes("data", text.as_bytes(), &hints).unwrap();
+        assert_eq!(whole.rows().len(), 4, "{text}");
+    }
+}
+
+#[test]
+fn rows_below_those_selected_may_contain_anything() {
+    let text = "displacement_um,force_uN\n2.5,1.5\n3.5,-2\n1,2,3\n";
+    let hints = |last_row| Hints {
+        last_row,
+        ..Hints::default()
+    };
+    let read = |last_row| Measurements::from_bytes("data", text.as_bytes(), &hints(last_row));
+    assert_eq!(values(&read(Some(2)).unwrap()), [[2.5, 1.5], [3.5, -2.0]]);
+    for last_row in [None, Some(3)] {
+        let problem = read(last_row).unwrap_err().to_string();
+        assert!(
+            problem.contains("data:4: 3 cells, but 2 in the heading"),
+            "{problem}"
+        );
+    }
+}
+
+#[test]
+fn a_sign_defined_by_hand_that_contradicts_the_data_is_named() {
+    let text = format!("Weg um;Kraft uN\n{}", loading([-1.0, -1.0], ";"));
+    let named = ["displacement=Weg um", "force=Kraft uN"];
+    let found = lines(&read_by_hand(&text, &named, None));
+    assert!(
+        found.contains("did you mean displacement=\"-Weg um\" and force=\"-Kraft uN\"?"),
+        "{found}"
+    );
+}
+
+#[test]
+fn columns_by_number_below_a_row_of_units() {
+    let text = "Test 1\t\t\tTest 2\t\t\nForce\tDistance\tTime\tForce\tDistance\tTime\nmN\tmm\tsec\tmN\tmm\tsec\n1\t2\t0\t3\t4\t0\n";
+    let data = read_by_hand(text, &["force=#4", "displacement=#5"], None);
+    assert_eq!(values(&data), [[4000.0, 3000.0]]);
+}
+
 #[test]
 fn text_of_afmformats() {
     let text = "# afmformats 0.18.7\r\n#\r\n# BEGIN METADATA\r\n# {\r\n#   \"spring constant\": 0.05,\r\n#   \"z range\": 1e-06\r\n# }\r\n\
