@@ -614,7 +614,9 @@ impl Reader<'_> {
             }
         }
         match failure {
-            Some(failure) if hints.last_row.is_none() => return Err(failure),
+            Some(failure) if hints.last_row.is_none() || rows.rows.is_empty() => {
+                return Err(failure);
+            }
             failure => heading.layout.failure = failure,
         }
         if let (Some((line, column, text)), true) = (&rows.comma, rows.has_point) {
@@ -805,11 +807,10 @@ impl Reader<'_> {
         }
         let words = heading.used.iter();
         let mut words = words.filter(|used| used.column == Column::Branch);
-        if rows.is_pause || words.any(|used| is_pause(&cells[used.place])) {
-            if !rows.keeps_pauses {
-                rows.pauses.push(line);
-                return Ok(());
-            }
+        let is_of_pause = rows.is_pause || words.any(|used| is_pause(&cells[used.place]));
+        if is_of_pause && !rows.keeps_pauses {
+            rows.pauses.push(line);
+            return Ok(());
         }
         let mut values: Vec<(Option<Branch>, Column, f64)> = Vec::new();
         let mut dropped = None;
@@ -822,6 +823,7 @@ impl Reader<'_> {
             let value = if used.column == Column::Branch {
                 match branch_of(text) {
                     Some(branch) => f64::from(u8::from(branch == Branch::Unloading)),
+                    None if is_of_pause => continue,
                     None if used.is_strict => {
                         let problem = format!("\"{text}\" is no branch: give loading or unloading");
                         return Err(self.fail(Some(line), Some(name), problem));
