@@ -503,8 +503,8 @@ def _data(
     measurements: Measurements,
     named: Mapping[str, str],
     spring_constant: float | None,
-    last_row: int | None,
-    has_pauses: bool,
+    last_row: int | None = None,
+    has_pauses: bool = False,
 ) -> _fakir.Data:
     by_hand = [(str(quantity), str(heading)) for quantity, heading in named.items()]
     if isinstance(measurements, (str, PathLike)):

@@ -17,6 +17,7 @@ from ._fit import (
     case_of,
     check_parameters,
     estimate,
+    is_viscoelastic,
     prepared,
     written,
 )
@@ -369,6 +370,7 @@ def fit_many(
         try:
             raw, data, instrument = prepared(
                 measurements,
+                has_pauses=is_viscoelastic(systems[0], free),
                 columns=columns,
                 spring_constant=spring_constant,
                 rows=rows,
