@@ -45,6 +45,7 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         values: Vec::new(),
         first_missing: None,
         list: None,
+        has_quoted_commas: false,
         is_zygo_header: false,
     };
     let mut bytes = Vec::new();
@@ -99,6 +100,8 @@ struct Reader<'a> {
     first_missing: Option<[usize; 2]>,
     /// Columns of x, y and z, if a heading names them.
     list: Option<[usize; 3]>,
+    /// Whether numbers in quotes have commas, which may separate thousands.
+    has_quoted_commas: bool,
     /// Whether the lines are the header of a list of points of Zygo.
     is_zygo_header: bool,
 }
@@ -117,6 +120,8 @@ impl Reader<'_> {
             return Ok(());
         }
         let content = simplified(content);
+        self.has_quoted_commas |=
+            text.contains('"') && !text.contains(['\t', ';']) && content.contains(',');
         let mut words = self.words(line, &content)?;
         let is_first = self.values.is_empty();
         if words.len() == self.columns + 1 && !is_first && words[self.columns].is_empty() {
@@ -277,8 +282,9 @@ impl Reader<'_> {
             return Err(self.ambiguous(line));
         }
         let separator = match self.commas {
-            Commas::Separators => ',',
-            _ => ';',
+            Commas::Decimal if !self.has_quoted_commas => ';',
+            Commas::Unknown => ';',
+            _ => ',',
         };
         let reading = self.evidence.notation(&self.marks, separator);
         let is_as_read =

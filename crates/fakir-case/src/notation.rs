@@ -364,6 +364,11 @@ const FORMULA_ERRORS: [&str; 11] = [
 pub fn is_not_measured(text: &str) -> bool {
     let lower = text.trim().to_lowercase();
     let unsigned = lower.strip_prefix(['-', '+']).unwrap_or(&lower);
+    // With the exponent of a number: `1.#QNAN0e+000`.
+    let unsigned = match unsigned.split_once("e+") {
+        Some((text, _)) if text.contains('#') => text,
+        _ => unsigned,
+    };
     NOT_MEASURED.contains(&&lower[..])
         || lower.bytes().all(|byte| byte == b'*')
         || NO_NUMBERS.contains(&unsigned.trim_end_matches('0'))
@@ -384,7 +389,15 @@ mod tests {
     #[test]
     fn texts_of_missing_values() {
         for text in [
-            "-1.#IND", "1.#QNAN0", "***", "No Data", "N/A", "null", "#N/A", "",
+            "-1.#IND",
+            "1.#QNAN0",
+            "-1.#IND00e+000",
+            "***",
+            "No Data",
+            "N/A",
+            "null",
+            "#N/A",
+            "",
         ] {
             assert!(is_not_measured(text), "{text}");
         }
