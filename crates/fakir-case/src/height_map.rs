@@ -104,6 +104,23 @@ pub fn read_scaled_map(
     scale: &GivenScale,
     memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
+    read_map(path, array, scale, memory_limit).map(|read| read.map)
+}
+
+/// A map that has been read.
+pub(crate) struct ReadMap {
+    pub(crate) map: HeightMap,
+    /// Height unit that the file states, m.
+    pub(crate) stated_unit: Option<f64>,
+}
+
+/// [`read_scaled_map`] with the unit that the file states.
+pub(crate) fn read_map(
+    path: &Path,
+    array: Option<&str>,
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<ReadMap, HeightMapError> {
     let file = path.display().to_string();
     let source = Source {
         file: &file,
@@ -143,6 +160,16 @@ pub fn scaled_map_in(
     scale: &GivenScale,
     memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
+    map_in(path, contents, scale, memory_limit).map(|read| read.map)
+}
+
+/// [`scaled_map_in`] with the unit that the file states.
+pub(crate) fn map_in(
+    path: &Path,
+    contents: &[u8],
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<ReadMap, HeightMapError> {
     let file = path.display().to_string();
     let source = Source {
         file: &file,
@@ -209,7 +236,7 @@ fn scaled(
     path: &Path,
     contents: impl BufRead,
     scale: &GivenScale,
-) -> Result<HeightMap, HeightMapError> {
+) -> Result<ReadMap, HeightMapError> {
     let table = match extension(path).as_deref() {
         Some("npy") => parse_npy(source, contents)?,
         _ => parse_other(source, path, contents)?,
@@ -337,7 +364,7 @@ pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
 }
 
 /// Sets the physical size of a table.
-fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
+fn place(file: &str, table: Table, scale: &GivenScale) -> Result<ReadMap, HeightMapError> {
     let Table {
         columns,
         rows,
@@ -390,10 +417,16 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
     let origin = [0, 1].map(|axis| -0.5 * counts[axis] * cell[axis]);
     let grid = Grid::new(columns, rows, cell, origin)?;
     let heights = values.into_iter().map(|value| height_unit * value);
-    HeightMap::new(grid, heights.collect()).map_err(|problem| HeightMapError::Heights {
+    let map = HeightMap::new(grid, heights.collect());
+    let map = map.map_err(|problem| HeightMapError::Heights {
         file: file.to_owned(),
         problem,
-    })
+    })?;
+    let stated_unit = match stated.height_unit {
+        Some(HeightUnit::Length(unit)) => Some(unit),
+        _ => None,
+    };
+    Ok(ReadMap { map, stated_unit })
 }
 
 /// Interpolates missing heights, or refuses them with their count.
@@ -411,6 +444,16 @@ fn fill_missing(
     };
     if count == values.len() {
         return Err(HeightMapError::Empty { file: file() });
+    }
+    if fill && 2 * count > values.len() {
+        let problem = format!(
+            "{count} of {} heights are missing, more than half, which are not interpolated",
+            values.len()
+        );
+        return Err(HeightMapError::NoMap {
+            file: file(),
+            problem,
+        });
     }
     match (fill, first) {
         (true, _) => {

@@ -196,6 +196,10 @@ fn rows_of_other_programs() {
             Err(error) => panic!("{error}"),
         }
     }
+    let error = read_text("\"1,234\",\"2,345\"\n", &given)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("1.234 or 1234"), "{error}");
     let thousands = read_text("1 234,5\t2 345,6\n", &given).unwrap();
     assert!((thousands.heights()[0] - 1234.5e-9).abs() < 1e-18);
     let minus = read_text("\u{2212}1.5 2.5\n", &given).unwrap();
@@ -540,6 +544,11 @@ fn files_of_other_formats_are_named() {
             "fakir.bem.Surface accepts its objects",
         ),
         (b"II+\0", "a BigTIFF image", "bigtiff=False"),
+        (
+            b"WSxM file copyright UAM\nSxM Image file\nImage header size: 4607\n\0",
+            "a WSxM file",
+            "Gwyddion",
+        ),
         (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
         (b"\xff\xfe\0\xd8", "UTF-16", "save it as text in UTF-8"),
     ] {
@@ -800,6 +809,40 @@ fn tiff_in_tiles_and_packed() {
     }
 }
 
+/// Pages of reduced resolution are skipped; of several others, none is chosen.
+#[test]
+fn tiff_of_several_pages() {
+    let heights = values(false);
+    let rows = heights.chunks(4).rev().flatten();
+    let pixels: Vec<u8> = rows
+        .flat_map(|height| (*height as f32).to_le_bytes())
+        .collect();
+    let blocks = [(273, 8), (279, pixels.len() as u32)];
+    let reduced = |kind| [&blocks[..], &[(254, kind)]].concat();
+    // The second directory is that of the first one, moved behind it.
+    let pages = |first: &[(u16, u32)], second: &[(u16, u32)]| {
+        let [mut file, other] =
+            [first, second].map(|fields| tiff_with(false, [32, 3, 1], &pixels, fields));
+        let end = file.len();
+        file[end - 4..].copy_from_slice(&(end as u32).to_le_bytes());
+        file.extend(&other[8 + pixels.len()..]);
+        file
+    };
+    for file in [pages(&blocks, &reduced(1)), pages(&reduced(1), &blocks)] {
+        check(&read_text(file, &SCALE.into()).unwrap());
+    }
+    let error = read_text(pages(&blocks, &reduced(2)), &SCALE.into()).unwrap_err();
+    assert!(
+        error.to_string().contains("it has 2 pages: save the page"),
+        "{error}"
+    );
+    // A directory that points to itself.
+    let mut endless = tiff(false, [32, 3, 1], &pixels);
+    let (start, end) = (8 + pixels.len() as u32, endless.len());
+    endless[end - 4..].copy_from_slice(&start.to_le_bytes());
+    assert!(read_text(endless, &SCALE.into()).is_err());
+}
+
 /// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
 fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
     tiff_with(
@@ -874,6 +917,19 @@ fn missing_points_are_counted_or_filled() {
     assert!((height - 11e-9).abs() < 1e-17, "{height}");
     let error = read_text(sdf(&"BAD ".repeat(12)), &filled).unwrap_err();
     assert!(matches!(error, HeightMapError::Empty { .. }), "{error}");
+    // More than half of the heights.
+    let error = read_text(
+        "1 nan\nnan nan\n",
+        &GivenScale {
+            fill_missing: true,
+            ..SCALE.into()
+        },
+    );
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("3 of 4 heights are missing, more than half"),
+        "{error}"
+    );
     // A list of points that states its units, with one missing point.
     let point = |k: i32| format!("{} {} {}\n", f64::from(k % 15) * 0.5, k / 15, k % 15);
     let points: String = (0..150).filter(|k| *k != 31).map(point).collect();
