@@ -455,7 +455,7 @@ fn is_numbered(mut values: impl Iterator<Item = f64>) -> bool {
     first.is_some_and(|first| {
         (1..)
             .zip(values)
-            .all(|(k, value)| value == first + f64::from(k))
+            .all(|(k, value)| value.total_cmp(&(first + f64::from(k))).is_eq())
     })
 }
 
