@@ -2,7 +2,7 @@
 
 use crate::columns::{length_unit, split_unit};
 use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
-use crate::notation::{Evidence, Marks, Notation, is_not_measured, number};
+use crate::notation::{Evidence, Marks, Notation, is_not_measured, number, single};
 use crate::table_text::{self, SEPARATORS, narrow_text, split_comment};
 use crate::unit::{Dimension, parse_quantity};
 use std::borrow::Cow;
@@ -81,6 +81,16 @@ enum Commas {
     Separators,
 }
 
+/// The line that names the columns of a list of points.
+struct Heading {
+    /// Number of columns that it names.
+    columns: usize,
+    /// Those of x, y and z.
+    places: [usize; 3],
+    /// Whether it is a comment, which may also be a sentence with these letters.
+    is_comment: bool,
+}
+
 /// A text that is being read.
 struct Reader<'a> {
     source: &'a Source<'a>,
@@ -98,8 +108,8 @@ struct Reader<'a> {
     has_outer: [bool; 2],
     values: Vec<f64>,
     first_missing: Option<[usize; 2]>,
-    /// Columns of x, y and z, if a heading names them.
-    list: Option<[usize; 3]>,
+    /// Heading of a list of points.
+    list: Option<Heading>,
     /// Whether numbers in quotes have commas, which may separate thousands.
     has_quoted_commas: bool,
     /// Whether the lines are the header of a list of points of Zygo.
@@ -114,9 +124,11 @@ impl Reader<'_> {
         let (content, comment) = split_comment(text);
         if self.values.is_empty() && content.trim().is_empty() {
             self.stated.take(comment);
-            self.names_points(comment);
+            self.names_points(comment, true);
         }
-        if self.values.is_empty() && (self.names_points(content) || self.stated.title(content)) {
+        if self.values.is_empty()
+            && (self.names_points(content, false) || self.stated.title(content))
+        {
             return Ok(());
         }
         let content = simplified(content);
@@ -243,7 +255,7 @@ impl Reader<'_> {
     }
 
     /// Whether a line names coordinates in any order, `x y z` or `X (um), Y (um), Height (nm)`, whose places and units are kept.
-    fn names_points(&mut self, content: &str) -> bool {
+    fn names_points(&mut self, content: &str, is_comment: bool) -> bool {
         let separators: [&[char]; 2] = [&SEPARATORS, &[',', ';', '\t', ' ']];
         separators.into_iter().any(|between| {
             let cells = content
@@ -267,7 +279,11 @@ impl Reader<'_> {
             };
             let is_heading = x.1 == y.1 && cells.len() <= MOST_COLUMNS_OF_A_LIST;
             if is_heading {
-                self.list = Some([x.0, y.0, z.0]);
+                self.list = Some(Heading {
+                    columns: cells.len(),
+                    places: [x.0, y.0, z.0],
+                    is_comment,
+                });
                 self.stated.spacing_unit = x.1.or(self.stated.spacing_unit);
                 let height_unit = z.1.map(HeightUnit::Length);
                 self.stated.height_unit = height_unit.or(self.stated.height_unit.take());
@@ -301,8 +317,7 @@ impl Reader<'_> {
 
     /// A height of the text.
     fn height(&mut self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
-        let value = number(word, Notation::Single).and_then(|number| number.parse::<f64>().ok());
-        let Some(value) = value else {
+        let Some(value) = single(word) else {
             if is_not_measured(word) {
                 return Ok(f64::NAN);
             }
@@ -371,7 +386,16 @@ impl Reader<'_> {
             values = upside_down.flatten().copied().collect();
         } else {
             let is_sized = stated.extent != [None; 2];
-            let places = list.filter(|places| places.iter().all(|place| *place < columns));
+            let fitting = list.as_ref().filter(|heading| heading.columns == columns);
+            if let (Some(heading), None) = (&list, fitting)
+                && !heading.is_comment
+            {
+                return Err(source.no_map(format!(
+                    "its headings name {} columns, and its rows have {columns}",
+                    heading.columns
+                )));
+            }
+            let places = fitting.map(|heading| heading.places);
             let is_list = columns == 3 && !is_sized || places.is_some();
             let is_wide = !is_sized && (4..=MOST_COLUMNS_OF_A_LIST).contains(&columns);
             let grid = (is_list || is_wide)
@@ -498,7 +522,7 @@ fn simplified(line: &str) -> Cow<'_, str> {
 
 /// Whether a cell between separators is a number, or a missing one.
 fn is_cell(cell: &str) -> bool {
-    number(cell, Notation::Single).is_some() || is_not_measured(cell)
+    single(cell).is_some() || is_not_measured(cell)
 }
 
 /// Whether a word is a number with a decimal comma or without a fraction.
@@ -602,7 +626,7 @@ impl EsriHeader {
         let [key, value] = words else {
             return false;
         };
-        let number = || number(value, Notation::Single)?.parse().ok();
+        let number = || single(value);
         match key.to_ascii_lowercase().as_str() {
             "ncols" => self.columns = value.parse().ok(),
             "nrows" => self.rows = value.parse().ok(),

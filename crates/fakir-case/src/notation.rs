@@ -331,6 +331,12 @@ pub fn number(text: &str, notation: Notation) -> Option<String> {
     plain.parse::<f64>().is_ok().then_some(plain)
 }
 
+/// The number of a text by itself ([`Notation::Single`]).
+pub(crate) fn single(text: &str) -> Option<f64> {
+    let plain = text.parse().ok().filter(|value: &f64| value.is_finite());
+    plain.or_else(|| number(text, Notation::Single)?.parse().ok())
+}
+
 /// Whether a text is a number in any notation.
 #[must_use]
 pub fn is_number(text: &str) -> bool {

@@ -279,7 +279,15 @@ fn numbers_that_are_no_matrix_of_heights() {
         let error = read_text(&text, &given).expect_err(&text).to_string();
         assert!(error.contains(problem), "{text}: {error}");
     }
-    assert!(read_text(matrix("", [false; 2]), &given).is_ok());
+    let sentence = format!("# scan along x and y with z\n{}", matrix("", [false; 2]));
+    assert!(read_text(sentence, &given).is_ok());
+    let error = read_text(format!("x y z\n{four}"), &given)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("its headings name 3 columns, and its rows have 4"),
+        "{error}"
+    );
     check(&read_text(format!("x y z intensity\n{four}"), &given).unwrap());
     let list: Vec<u8> = (0..12)
         .flat_map(|k| [k % 4, k / 4, 10 * (k / 4) + k % 4])
