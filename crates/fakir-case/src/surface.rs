@@ -695,25 +695,25 @@ impl CaseFile {
 /// The number that programs write for a missing point and how many heights (m) have it, if these are far from the others.
 fn marker_of_missing(heights: &[f64], unit: f64) -> Option<(String, usize)> {
     /// Numbers that mark missing points, of either sign: also the largest one of 4 bytes and half of it.
-    const MARKERS: [f64; 10] = [
+    const MARKERS: [f64; 6] = [
         999.99,
         9999.0,
-        32_767.0,
-        32_768.0,
         99_999.0,
         999_999.0,
-        2_147_483_647.0,
-        2_147_483_648.0,
         1.701_41e38,
         3.402_82e38,
     ];
+    /// The smallest whole numbers of 2 and 4 bytes.
+    const SMALLEST: [f64; 2] = [-32_768.0, -2_147_483_648.0];
     /// Relative precision of such a number as it is written.
     const SAME: f64 = 1e-5;
     /// Distance of the number from the other heights, over their range.
     const FAR: f64 = 2.0;
-    let is_marker = |value: f64| {
-        let mut markers = MARKERS.into_iter();
-        markers.any(|marker| ((value / unit).abs() - marker).abs() <= SAME * marker)
+    let is_marker = |height: f64| {
+        let value = height / unit;
+        let is = |marker: &f64| (value - marker).abs() <= SAME * marker.abs();
+        let mut signed = MARKERS.iter().flat_map(|marker| [*marker, -marker]);
+        signed.any(|marker| is(&marker)) || SMALLEST.iter().any(is)
     };
     let ends = [f64::min, f64::max].map(|end| heights.iter().copied().reduce(end));
     let found = ends.into_iter().flatten().find(|end| is_marker(*end))?;
@@ -732,7 +732,8 @@ fn marker_of_missing(heights: &[f64], unit: f64) -> Option<(String, usize)> {
         true => marker.to_string(),
         false => format!("{marker:.4e}"),
     };
-    (most >= least && distance > FAR * (most - least)).then_some((shown, count))
+    // Two heights alone are those of a design.
+    (most > least && distance > FAR * (most - least)).then_some((shown, count))
 }
 
 /// Pillar with the given values.

@@ -301,7 +301,14 @@ fn markers_of_missing_points_and_wrong_units_of_a_file() {
         let expected = format!("the number {shown} is in the file in several points");
         assert!(problem.starts_with(&expected), "{problem}");
     }
-    // Heights down to such a number.
+    // Two heights alone, and heights down to such a number.
+    assert_eq!(
+        refused(
+            "0 9999\n0 9999\n",
+            "cell_size = \"10 um\"\nheight_unit = \"1 nm\""
+        ),
+        None
+    );
     assert_eq!(
         refused(
             "-9999 -8000\n-5000 0\n",
