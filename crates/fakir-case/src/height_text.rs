@@ -328,7 +328,7 @@ impl Reader<'_> {
                 text: word.to_owned(),
             });
         };
-        let no_data = self.header.no_data;
+        let no_data = self.header.no_data();
         if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
             self.first_missing.get_or_insert([line, column]);
             return Ok(f64::NAN);
@@ -621,6 +621,12 @@ struct EsriHeader {
 }
 
 impl EsriHeader {
+    /// The number of a missing point; the format defines one for headers that do not state it.
+    fn no_data(&self) -> Option<f64> {
+        const USUAL: f64 = -9999.0;
+        self.no_data.or(self.found.then_some(USUAL))
+    }
+
     /// Reads a line of the header. Returns false if the line is not part of a header.
     fn take(&mut self, words: &[&str]) -> bool {
         let [key, value] = words else {

@@ -1070,6 +1070,9 @@ fn wrong_texts_are_named() {
             ..
         }
     ));
+    let usual = header.replace("nodata_value -9999\n", "");
+    let error = failure("usual.asc", format!("{usual}1 2\n-9999 3\n").as_bytes());
+    assert!(matches!(error, HeightMapError::NoData { line: 5, .. }));
     let error = failure("size.asc", format!("{header}1 2\n3 4\n5 6\n").as_bytes());
     assert!(matches!(
         error,
