@@ -96,8 +96,9 @@ class Surface(Viscoelastic):
     Parameters
     ----------
     heights
-        Heights (m), a row for every y: ``heights[y, x]``, float64 or float32; or an object with ``heights()`` and
-        ``physical_sizes``, as in SurfaceTopography, whose arrays are ``[x, y]`` and whose ``unit`` is taken into account.
+        Heights (m), a row for every y: ``heights[y, x]``, float64 or float32, or an array of xarray in the unit of its attribute
+        ``units``; or an object with ``heights()`` and ``physical_sizes``, as in SurfaceTopography, whose arrays are ``[x, y]`` and
+        which must have a ``unit``.
     indenter
         A `Lens` or a lens of another shape, or a `Plate`.
     substrate
@@ -153,6 +154,7 @@ class Surface(Viscoelastic):
             values, cell = _of_topography(heights)
         else:
             values, cell = _of_array(heights, cell_size, width)
+        _check_relief(values, cell)
         rows, columns = values.shape
         centre = [finite(place, "length", "axis") for place in axis]
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
@@ -552,10 +554,33 @@ def _checked(contact: SurfaceContact) -> SurfaceContact:
     return contact
 
 
+def _check_relief(heights: FloatArray, cell: list[float]) -> None:
+    """Refuses heights that are implausible on their map, by the rule of case files: they are probably in another unit."""
+    lowest, highest = 1e-12, 2.0
+    rows, columns = heights.shape
+    extent = max(columns * cell[0], rows * cell[1])
+    relief = float(np.ptp(heights))
+    if relief != 0.0 and not lowest <= relief <= highest * extent:
+        raise ValueError(
+            f"heights differ by {engineering(relief, 'm')} on a map of {engineering(extent, 'm')}: give them in metres, as 1e-9 * heights "
+            "if they are in nm"
+        )
+
+
+def _unit_of_attributes(heights: object) -> float:
+    """The unit (m) in the attributes of an array of xarray; 1 if there is none."""
+    attributes = getattr(heights, "attrs", None)
+    unit = attributes.get("units") if isinstance(attributes, dict) else None
+    return 1.0 if unit is None else _fakir.parse_quantity(f"1 {unit}", "length")
+
+
 def _of_array(
     heights: object, cell_size: Quantity | None, width: Quantity | None
 ) -> tuple[FloatArray, list[float]]:
     values = array(heights, "length", "heights")
+    unit = _unit_of_attributes(heights)
+    if unit != 1.0:
+        values = values * unit
     if values.ndim != 2 or values.size == 0:
         raise ValueError(
             f"heights has the shape {values.shape}: give a map, an array with a row for every y"
@@ -575,7 +600,9 @@ def _of_array(
 def _of_topography(topography: Any) -> tuple[FloatArray, list[float]]:
     """Heights and cells of an object of SurfaceTopography."""
     unit = getattr(topography, "unit", None)
-    scale = 1.0 if unit is None else _fakir.parse_quantity(f"1 {unit}", "length")
+    if unit is None:
+        raise ValueError('the topography has no unit: create it with one, as SurfaceTopography.Topography(..., unit="um")')
+    scale = _fakir.parse_quantity(f"1 {unit}", "length")
     raw = topography.heights()
     if np.ma.is_masked(raw):
         raise ValueError(

@@ -25,6 +25,29 @@ def test_surfaces_of_case_files_are_sent_to_other_processes():
     assert copy.press(indentation="10 nm").force == made.press(indentation="10 nm").force
 
 
+def test_units_of_heights():
+    heights = np.random.default_rng(1).normal(0.0, 50.0, (16, 16))
+    bodies = fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
+    with pytest.raises(ValueError, match="heights differ by .* on a map of 16 µm: give them in metres"):
+        Surface(heights, *bodies, cell_size="1 um")
+
+    class Topography:
+        """As an object of SurfaceTopography without a unit."""
+
+        unit, physical_sizes = None, (16.0, 16.0)
+
+        def heights(self):
+            return heights.T
+
+    with pytest.raises(ValueError, match="the topography has no unit"):
+        Surface(Topography(), *bodies)
+    xarray = pytest.importorskip("xarray")
+    in_nm = xarray.DataArray(heights, dims=("y", "x"), attrs={"units": "nm"})
+    assert np.allclose(Surface(in_nm, *bodies, cell_size="1 um").heights, 1e-9 * heights)
+    with pytest.raises(ValueError, match="V"):
+        Surface(in_nm.assign_attrs(units="V"), *bodies, cell_size="1 um")
+
+
 @pytest.mark.filterwarnings("ignore::fakir.FakirWarning")
 def test_a_modulus_is_in_proportion_to_the_forces():
     """On rigid pillars under a glass lens F = E* f(zeta): forces that are 1.5 times larger are those of 1.5 times the modulus."""

@@ -120,6 +120,12 @@ const IGNORED: [&str; 44] = [
     "group",
 ];
 
+/// Difference of a diameter and twice a radius, over this, from which they contradict each other: both may be rounded.
+const CONTRADICTION: f64 = 0.02;
+
+/// Columns of a table, and that of a radius beside the diameter, with the column of the diameter.
+type Places<const N: usize> = ([Option<Place>; N], Option<(usize, Place)>);
+
 /// Quantity in a cell, from which the length of the column is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Form {
@@ -193,7 +199,7 @@ impl<const N: usize> Columns<N> {
             rows_below.next();
         }
         let units = if has_units { &units[..] } else { &[] };
-        let places = self
+        let (places, radius) = self
             .places(&headings, units, unit)
             .map_err(|problem| wrong(heading_line, problem))?;
         let numbers = rows_below.clone();
@@ -244,6 +250,13 @@ impl<const N: usize> Columns<N> {
                     )
                 })?;
             }
+            if let Some((column, radius)) = &radius
+                && let Some(twice) = radius.value(&row[radius.place], notation)
+                && (values[*column] - twice).abs() > CONTRADICTION * twice
+            {
+                let problem = "radius and diameter contradict each other: leave one of them out";
+                return Err(wrong(index, problem.to_owned()));
+            }
             rows.push(values);
             row_lines.push(index as u64 + 1);
         }
@@ -275,7 +288,7 @@ impl<const N: usize> Columns<N> {
         let of_line = |text: &str| {
             let separators = [',', ';', '\t', ' '].into_iter();
             let split = separators.map(|separator| {
-                let headings = cells(text, separator);
+                let headings = self.with_positions(cells(text, separator));
                 let known = headings
                     .iter()
                     .filter(|heading| self.meaning(heading).is_some());
@@ -307,6 +320,24 @@ impl<const N: usize> Columns<N> {
         (first, separator, headings)
     }
 
+    /// The headings with the centres of mass of ImageJ as the positions, if it wrote no others.
+    fn with_positions(&self, mut headings: Vec<String>) -> Vec<String> {
+        let has_x = headings.iter().any(|heading| {
+            let meaning = self.meaning(heading);
+            meaning.is_some_and(|meaning| self.names[meaning.column] == "x_m")
+        });
+        if !has_x {
+            for heading in &mut headings {
+                match &heading[..] {
+                    "XM" => "X".clone_into(heading),
+                    "YM" => "Y".clone_into(heading),
+                    _ => {}
+                }
+            }
+        }
+        headings
+    }
+
     /// Column named by a heading.
     fn meaning(&self, heading: &str) -> Option<Meaning> {
         let exact = self.names.iter().position(|name| *name == heading);
@@ -330,8 +361,10 @@ impl<const N: usize> Columns<N> {
                     "centre",
                     "coordinate",
                     "top",
+                    "stage",
                     "of",
                     "the",
+                    "in",
                 ]
                 .contains(word)
             })
@@ -361,15 +394,17 @@ impl<const N: usize> Columns<N> {
         headings: &[String],
         units: &[String],
         default: Option<&str>,
-    ) -> Result<[Option<Place>; N], String> {
+    ) -> Result<Places<N>, String> {
         let Self {
             names,
             required,
             accepted,
         } = self;
         // In tables of ImageJ, width and height are those of a box around each particle.
-        let has_box = headings.iter().any(|heading| heading == "BX");
+        let has = |name: &&str| headings.iter().any(|heading| heading == name);
+        let has_box = has(&"BX") || ["X", "Y", "Area", "Width", "Height"].iter().all(has);
         let mut places: [Option<Place>; N] = [const { None }; N];
+        let mut radius = None;
         let meanings = headings
             .iter()
             .map(|heading| match has_box && heading == "Height" {
@@ -381,14 +416,18 @@ impl<const N: usize> Columns<N> {
             let Some(meaning) = meaning else {
                 let plain = heading.to_lowercase();
                 let plain = plain.trim_matches(|c: char| !c.is_alphanumeric());
-                if IGNORED.contains(&plain) || has_box && ["width", "height"].contains(&plain) {
+                let is_box = has_box && ["width", "height"].contains(&plain);
+                // Per cents are no lengths: `%Area` of ImageJ.
+                if IGNORED.contains(&plain) || is_box || heading.starts_with('%') {
                     continue;
                 }
-                return Err(format!("there is no column \"{heading}\": {accepted}"));
+                return Err(format!("column \"{heading}\" is not known: {accepted}"));
             };
             let of_same =
                 |other: &&Meaning| other.column == meaning.column && other.form == Form::Length;
-            if meaning.form != Form::Length && meanings.iter().flatten().any(|it| of_same(&it)) {
+            let is_beside =
+                meaning.form != Form::Length && meanings.iter().flatten().any(|it| of_same(&it));
+            if is_beside && meaning.form == Form::Area {
                 continue;
             }
             let below = units
@@ -419,9 +458,11 @@ impl<const N: usize> Columns<N> {
             let new = Place {
                 place,
                 form: meaning.form,
-                unit: length.to_owned(),
+                unit: symbol(length).to_owned(),
             };
-            if places[meaning.column].replace(new).is_some() {
+            if is_beside {
+                radius = Some((meaning.column, new));
+            } else if places[meaning.column].replace(new).is_some() {
                 return Err(format!("two columns are \"{heading}\""));
             }
         }
@@ -430,7 +471,7 @@ impl<const N: usize> Columns<N> {
                 return Err(format!("the column {column} is missing: {accepted}"));
             }
         }
-        Ok(places)
+        Ok((places, radius))
     }
 }
 
@@ -491,7 +532,17 @@ fn notation<const N: usize>(
 }
 
 pub(crate) fn length_unit(unit: &str) -> Option<f64> {
-    parse_quantity(&format!("1 {unit}"), Dimension::Length).ok()
+    parse_quantity(&format!("1 {}", symbol(unit)), Dimension::Length).ok()
+}
+
+/// The symbol of a unit that is written as a word; other units as they are.
+fn symbol(unit: &str) -> &str {
+    match &unit.to_lowercase()[..] {
+        "micron" | "microns" | "micrometer" | "micrometers" | "micrometre" | "micrometres" => "um",
+        "nanometer" | "nanometers" | "nanometre" | "nanometres" => "nm",
+        "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
+        _ => unit,
+    }
 }
 
 /// Text without brackets around all of it.

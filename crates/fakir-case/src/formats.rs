@@ -164,8 +164,25 @@ const BY_BYTES: [(&[u8], Format); 32] = [
     ),
 ];
 
+const NANOSURF: Format = format(
+    "a Nanosurf file",
+    "export it as text in the software of Nanosurf",
+    GWYDDION,
+);
+
+const AGILENT: Format = format("a file of Agilent or Molecular Imaging", NO_TABLE, GWYDDION);
+
+const WSXM: Format = format("a WSxM file", "export it as text (ASCII) in WSxM", GWYDDION);
+
+/// Formats whose first lines are text, by a part of them and the end of the name of the file.
+const BY_FIRST_LINES: [(&str, &str, Format); 3] = [
+    (".nid", "[DataSet]", NANOSURF),
+    (".mi", "fileType", AGILENT),
+    ("", "Image header size:", WSXM),
+];
+
 /// Formats by the ends of names, for files that are not text.
-const BY_NAME: [(&str, Format); 8] = [
+const BY_NAME: [(&str, Format); 10] = [
     (".ibw", format("an Igor binary wave", CURVES, GWYDDION)),
     (
         ".pxp",
@@ -175,14 +192,9 @@ const BY_NAME: [(&str, Format); 8] = [
             GWYDDION,
         ),
     ),
-    (
-        ".nid",
-        format(
-            "a Nanosurf file",
-            "export it as text in the software of Nanosurf",
-            GWYDDION,
-        ),
-    ),
+    (".nid", NANOSURF),
+    (".mi", AGILENT),
+    (".stp", WSXM),
     (".spm", format("a NanoScope file", NANOSCOPE, GWYDDION)),
     (
         ".tdms",
@@ -259,6 +271,9 @@ const SPREADSHEET: Format = format("a spreadsheet (.xlsx)", "", EXPORT);
 
 const ZIP: Format = format("a ZIP archive", "unpack it first", EXPORT);
 
+/// Number of bytes in which texts of formats are searched.
+const FIRST_LINES: usize = 256;
+
 /// The format of a file that is not read as text, by its first bytes, the members of an archive, and its name.
 pub(crate) fn recognised(path: &Path, bytes: &[u8]) -> Option<Format> {
     if bytes.starts_with(b"PK\x03\x04") {
@@ -274,11 +289,18 @@ pub(crate) fn recognised(path: &Path, bytes: &[u8]) -> Option<Format> {
     if let Some((_, format)) = by_bytes {
         return Some(*format);
     }
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(FIRST_LINES)]);
+    let mut by_lines = BY_FIRST_LINES.iter();
+    if let Some((_, _, format)) =
+        by_lines.find(|(end, part, _)| name.ends_with(end) && start.contains(part))
+    {
+        return Some(*format);
+    }
     let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
     if is_wide || !bytes.contains(&0) {
         return None;
     }
-    let name = path.to_string_lossy().to_ascii_lowercase();
     let by_name = BY_NAME.iter().find(|(end, _)| name.ends_with(end));
     by_name.map(|(_, format)| *format)
 }

@@ -75,7 +75,7 @@ impl Order {
     }
 }
 
-/// A TIFF image and the fields of its first directory.
+/// A page of a TIFF image and the fields of its directory.
 struct Tiff<'a> {
     bytes: &'a [u8],
     order: Order,
@@ -93,19 +93,43 @@ fn size_of_kind(kind: u16) -> Option<usize> {
 }
 
 impl<'a> Tiff<'a> {
-    /// Reads the first directory.
-    fn new(bytes: &'a [u8]) -> Option<Self> {
+    /// Reads the first page that is neither a mask nor an image of reduced resolution, or the first one, and counts such pages.
+    fn read(bytes: &'a [u8]) -> Option<(Self, usize)> {
+        /// Pages that are looked through, as a directory may point back to another one.
+        const MOST: usize = 1000;
+        const REDUCED_OR_MASK: u64 = 0b101;
         let order = if bytes.starts_with(b"II") {
             Order::Little
         } else {
             Order::Big
         };
+        let (mut found, mut next) =
+            Self::page(bytes, order, order.number(bytes.get(4..8)?) as usize)?;
+        let is_full = |page: &Self| page.value(tag::SUBFILE_TYPE, 0) & REDUCED_OR_MASK == 0;
+        let mut count = usize::from(is_full(&found));
+        for _ in 1..MOST {
+            // Pages behind a damaged one are not found.
+            let Some((page, after)) = Self::page(bytes, order, next).filter(|_| next != 0) else {
+                break;
+            };
+            if is_full(&page) {
+                count += 1;
+                if count == 1 {
+                    found = page;
+                }
+            }
+            next = after;
+        }
+        Some((found, count))
+    }
+
+    /// Reads a directory, and the place of the next one.
+    fn page(bytes: &'a [u8], order: Order, start: usize) -> Option<(Self, usize)> {
         let mut tiff = Self {
             bytes,
             order,
             fields: Vec::new(),
         };
-        let start = tiff.number(4, 4)? as usize;
         let count = tiff.number(start, 2)? as usize;
         for entry in 0..count {
             let place = start + 2 + 12 * entry;
@@ -128,7 +152,8 @@ impl<'a> Tiff<'a> {
             let values = values.collect::<Option<Vec<u64>>>()?;
             tiff.fields.push((tag, values));
         }
-        Some(tiff)
+        let next = tiff.number(start + 2 + 12 * count, 4).unwrap_or(0);
+        Some((tiff, next as usize))
     }
 
     /// An unsigned number of so many bytes.
@@ -149,6 +174,7 @@ impl<'a> Tiff<'a> {
 
 /// Tags of TIFF 6.0.
 mod tag {
+    pub(super) const SUBFILE_TYPE: u16 = 254;
     pub(super) const WIDTH: u16 = 256;
     pub(super) const LENGTH: u16 = 257;
     pub(super) const BITS: u16 = 258;
@@ -197,10 +223,15 @@ impl<'a> Blocks<'a> {
     }
 }
 
-/// Reads the first image of a TIFF file: grey values of 16 bits, or heights as floating-point numbers of 32 or 64 bits.
+/// Reads the image of a TIFF file: grey values of 16 bits, or heights as floating-point numbers of 32 or 64 bits.
 pub(crate) fn tiff(source: &Source<'_>, bytes: &[u8]) -> Result<Table, HeightMapError> {
     let damaged = || wrong(source, "it is damaged: save it as TIFF or PNG again");
-    let tiff = Tiff::new(bytes).ok_or_else(damaged)?;
+    let (tiff, pages) = Tiff::read(bytes).ok_or_else(damaged)?;
+    if pages > 1 {
+        let problem =
+            format!("it has {pages} pages: save the page of the heights as an image by itself");
+        return Err(wrong(source, problem));
+    }
     let columns = tiff.value(tag::WIDTH, 0) as usize;
     let rows = tiff.value(tag::LENGTH, 0) as usize;
     let (bits, samples) = (tiff.value(tag::BITS, 1), tiff.value(tag::SAMPLES, 1));

@@ -23,9 +23,11 @@ use crate::height_table::{HeightUnit, Source, Stated, Table};
 use crate::input;
 use crate::npy::{self, Header};
 use crate::npz::{Archive, PackedArray};
+use crate::table_text::text_of;
 use crate::unit::{Dimension, format_quantity};
 use crate::{height_image, height_missing, height_profiles, height_text};
 use fakir::problem::{Grid, HeightMap};
+use flate2::bufread::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -102,6 +104,23 @@ pub fn read_scaled_map(
     scale: &GivenScale,
     memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
+    read_map(path, array, scale, memory_limit).map(|read| read.map)
+}
+
+/// A map that has been read.
+pub(crate) struct ReadMap {
+    pub(crate) map: HeightMap,
+    /// Height unit that the file states, m.
+    pub(crate) stated_unit: Option<f64>,
+}
+
+/// [`read_scaled_map`] with the unit that the file states.
+pub(crate) fn read_map(
+    path: &Path,
+    array: Option<&str>,
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<ReadMap, HeightMapError> {
     let file = path.display().to_string();
     let source = Source {
         file: &file,
@@ -141,6 +160,16 @@ pub fn scaled_map_in(
     scale: &GivenScale,
     memory_limit: usize,
 ) -> Result<HeightMap, HeightMapError> {
+    map_in(path, contents, scale, memory_limit).map(|read| read.map)
+}
+
+/// [`scaled_map_in`] with the unit that the file states.
+pub(crate) fn map_in(
+    path: &Path,
+    contents: &[u8],
+    scale: &GivenScale,
+    memory_limit: usize,
+) -> Result<ReadMap, HeightMapError> {
     let file = path.display().to_string();
     let source = Source {
         file: &file,
@@ -207,7 +236,7 @@ fn scaled(
     path: &Path,
     contents: impl BufRead,
     scale: &GivenScale,
-) -> Result<HeightMap, HeightMapError> {
+) -> Result<ReadMap, HeightMapError> {
     let table = match extension(path).as_deref() {
         Some("npy") => parse_npy(source, contents)?,
         _ => parse_other(source, path, contents)?,
@@ -251,8 +280,29 @@ fn is_x3p(archive: &[u8]) -> bool {
     names.iter().any(|name| name == "main.xml")
 }
 
-/// Reads a file that is neither an array nor an archive of NumPy, by its first bytes.
+/// Reads the whole of a file, which may have as many bytes as the memory of its map.
+fn whole(source: &Source<'_>, opened: &mut dyn Read) -> Result<Vec<u8>, HeightMapError> {
+    let most = source.memory_limit as u64;
+    input::read_all(opened, most).map_err(|error| source.unreadable(error))
+}
+
+/// Reads a file that is neither an array nor an archive of NumPy, packed by gzip or not.
 fn parse_other(
+    source: &Source<'_>,
+    path: &Path,
+    mut opened: impl BufRead,
+) -> Result<Table, HeightMapError> {
+    let start = opened.fill_buf();
+    let start = start.map_err(|error| source.unreadable(error))?;
+    if !start.starts_with(b"\x1f\x8b") {
+        return parse_unpacked(source, path, opened);
+    }
+    let unpacked = whole(source, &mut MultiGzDecoder::new(opened))?;
+    parse_unpacked(source, &path.with_extension(""), &unpacked[..])
+}
+
+/// Reads a file that is not packed, by its first bytes.
+fn parse_unpacked(
     source: &Source<'_>,
     path: &Path,
     mut opened: impl BufRead,
@@ -261,10 +311,7 @@ fn parse_other(
         .fill_buf()
         .map_err(|error| source.unreadable(error))?;
     let start = start[..start.len().min(FIRST_BYTES)].to_vec();
-    let whole = |opened: &mut dyn Read| {
-        let most = source.memory_limit as u64;
-        input::read_all(opened, most).map_err(|error| source.unreadable(error))
-    };
+    let whole = |opened: &mut dyn Read| whole(source, opened);
     let bytes = match Signature::of(&start) {
         Some(Signature::Png) => return height_image::png(source, &whole(&mut opened)?),
         Some(Signature::Tiff) => return height_image::tiff(source, &whole(&mut opened)?),
@@ -282,8 +329,14 @@ fn parse_other(
         None => start,
     };
     let is_wide = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if is_wide {
+        let bytes = whole(&mut opened)?;
+        if let Some(text) = text_of(&bytes) {
+            return height_text::parse(source, text.as_bytes());
+        }
+    }
     let format = formats::recognised(path, &bytes).map(|format| (format.name, format.heights));
-    let wide = ("text in UTF-16", "save it as text in UTF-8");
+    let wide = ("damaged text in UTF-16", "save it as text in UTF-8");
     let unknown = ("a binary file of an unknown format", formats::EXPORT);
     let is_binary = bytes.contains(&0);
     match format
@@ -311,7 +364,7 @@ pub fn to_npy(grid: &Grid, values: &[f64]) -> Vec<u8> {
 }
 
 /// Sets the physical size of a table.
-fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
+fn place(file: &str, table: Table, scale: &GivenScale) -> Result<ReadMap, HeightMapError> {
     let Table {
         columns,
         rows,
@@ -364,10 +417,16 @@ fn place(file: &str, table: Table, scale: &GivenScale) -> Result<HeightMap, Heig
     let origin = [0, 1].map(|axis| -0.5 * counts[axis] * cell[axis]);
     let grid = Grid::new(columns, rows, cell, origin)?;
     let heights = values.into_iter().map(|value| height_unit * value);
-    HeightMap::new(grid, heights.collect()).map_err(|problem| HeightMapError::Heights {
+    let map = HeightMap::new(grid, heights.collect());
+    let map = map.map_err(|problem| HeightMapError::Heights {
         file: file.to_owned(),
         problem,
-    })
+    })?;
+    let stated_unit = match stated.height_unit {
+        Some(HeightUnit::Length(unit)) => Some(unit),
+        _ => None,
+    };
+    Ok(ReadMap { map, stated_unit })
 }
 
 /// Interpolates missing heights, or refuses them with their count.
@@ -385,6 +444,16 @@ fn fill_missing(
     };
     if count == values.len() {
         return Err(HeightMapError::Empty { file: file() });
+    }
+    if fill && 2 * count > values.len() {
+        let problem = format!(
+            "{count} of {} heights are missing, more than half, which are not interpolated",
+            values.len()
+        );
+        return Err(HeightMapError::NoMap {
+            file: file(),
+            problem,
+        });
     }
     match (fill, first) {
         (true, _) => {
@@ -475,7 +544,9 @@ impl Stated {
             }
         }
         let is_square = is_same_size(cell[0], cell[1]);
-        let Some(spacing) = self.spacing.filter(|_| self.is_list || is_square) else {
+        // Cells of another shape than the given ones, which are squares if one number is given.
+        let is_wide = |[x, y]: &[f64; 2]| self.is_list || !is_same_size(*x, *y);
+        let Some(spacing) = self.spacing.filter(|cell| is_square || is_wide(cell)) else {
             return Ok(cell);
         };
         // The width of a list may be the distance between its outermost points.
@@ -495,14 +566,17 @@ impl Stated {
             if self.is_list && is_counted && self.spacing_unit.is_none() {
                 return Ok(cell);
             }
-            let stated = format!("{} (in a unit of length)", significant(spacing[0]));
+            let stated = match self.spacing_unit {
+                Some(unit) => shown(unit * spacing[0]),
+                None => format!("{} (in a unit of length)", significant(spacing[0])),
+            };
             return Err(contradiction(
                 "a distance of points",
                 stated,
                 shown(cell[0]),
             ));
         };
-        Ok(match self.is_list {
+        Ok(match is_wide(&spacing) {
             true => spacing.map(|distance| unit * distance),
             false => cell,
         })
@@ -589,6 +663,11 @@ fn parse_npy(source: &Source<'_>, mut data: impl Read) -> Result<Table, HeightMa
     } else {
         stored
     };
+    if column_count == 3 && height_text::grid_of_points(&values, 3, [0, 1, 2]).is_some() {
+        return Err(source.no_map(format!(
+            "it is a list of {rows} points x, y, z: give its heights as rows and columns, as by z.reshape(rows, columns), or the list as text"
+        )));
+    }
     Ok(Table {
         columns: column_count,
         rows: row_count,

@@ -110,6 +110,14 @@ pub enum HeightMapError {
         /// The file.
         file: String,
     },
+    /// Numbers that are no matrix of heights alone: with coordinates, numbers of rows or columns, or of a line.
+    #[error("{file}: {problem}")]
+    NoMap {
+        /// The file.
+        file: String,
+        /// What they are, and what to do about it.
+        problem: String,
+    },
     /// A file of another kind.
     #[error("{file} is {format}: {advice}")]
     OtherFormat {
@@ -335,6 +343,13 @@ impl Source<'_> {
         HeightMapError::NotNumpy {
             file: self.file.to_owned(),
             problem: problem.to_string(),
+        }
+    }
+
+    pub(crate) fn no_map(&self, problem: String) -> HeightMapError {
+        HeightMapError::NoMap {
+            file: self.file.to_owned(),
+            problem,
         }
     }
 

@@ -2,12 +2,11 @@
 
 use crate::columns::{length_unit, split_unit};
 use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
-use crate::notation::{Evidence, Marks, Notation};
+use crate::notation::{Evidence, Marks, Notation, is_not_measured, number, single};
+use crate::table_text::{self, SEPARATORS, narrow_text, split_comment};
 use crate::unit::{Dimension, parse_quantity};
+use std::borrow::Cow;
 use std::io::{BufRead, Read};
-
-/// Byte order mark of UTF-8.
-const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// Smallest number of points of a list that is interpreted as a grid: two by three.
 const FEWEST_POINTS: usize = 6;
@@ -15,8 +14,14 @@ const FEWEST_POINTS: usize = 6;
 /// Number of rows of three numbers beyond which they are not a map with three columns.
 const FEWEST_ROWS_OF_A_LIST: usize = 100;
 
-/// Number of columns from which a first row of 0, 1, 2 and so on numbers them: in small maps it may be heights.
+/// Number of columns or rows from which 0, 1, 2 and so on number them: in small maps they may be heights.
 const FEWEST_NUMBERED: usize = 8;
+
+/// Number of columns and rows from which an evenly spaced first row and first column are coordinates.
+const FEWEST_COORDINATES: usize = 6;
+
+/// Largest number of columns of a list of points, with further values of each.
+const MOST_COLUMNS_OF_A_LIST: usize = 8;
 
 /// Coordinates of a list are equal if they differ by at most this fraction of their range.
 const SAME: f64 = 1e-6;
@@ -36,8 +41,12 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         evidence: Evidence::default(),
         marks: Default::default(),
         columns: 0,
+        has_outer: [false; 2],
         values: Vec::new(),
         first_missing: None,
+        list: None,
+        has_quoted_commas: false,
+        is_zygo_header: false,
     };
     let mut bytes = Vec::new();
     for line in 1.. {
@@ -56,7 +65,7 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
                 line,
             });
         }
-        reader.line(line, &String::from_utf8_lossy(&bytes))?;
+        reader.line(line, &narrow_text(&bytes))?;
     }
     reader.table()
 }
@@ -72,6 +81,16 @@ enum Commas {
     Separators,
 }
 
+/// The line that names the columns of a list of points.
+struct Heading {
+    /// Number of columns that it names.
+    columns: usize,
+    /// Those of x, y and z.
+    places: [usize; 3],
+    /// Whether it is a comment, which may also be a sentence with these letters.
+    is_comment: bool,
+}
+
 /// A text that is being read.
 struct Reader<'a> {
     source: &'a Source<'a>,
@@ -85,25 +104,50 @@ struct Reader<'a> {
     /// Numbers whose marks may separate thousands: of each column of a list of points, of all columns of a map.
     marks: [Marks; 3],
     columns: usize,
+    /// Whether the first and the last column have a text in any row.
+    has_outer: [bool; 2],
     values: Vec<f64>,
     first_missing: Option<[usize; 2]>,
+    /// Heading of a list of points.
+    list: Option<Heading>,
+    /// Whether numbers in quotes have commas, which may separate thousands.
+    has_quoted_commas: bool,
+    /// Whether the lines are the header of a list of points of Zygo.
+    is_zygo_header: bool,
 }
 
 impl Reader<'_> {
     fn line(&mut self, line: usize, text: &str) -> Result<(), HeightMapError> {
-        let text = text.trim_start_matches(BYTE_ORDER_MARK);
-        let (content, comment) = text.split_once('#').unwrap_or((text, ""));
+        if self.values.is_empty() && self.is_header_of_program(line, text) {
+            return Ok(());
+        }
+        let (content, comment) = split_comment(text);
         if self.values.is_empty() && content.trim().is_empty() {
             self.stated.take(comment);
+            self.names_points(comment, true);
         }
-        if self.values.is_empty() && self.names_points(content) {
+        if self.values.is_empty()
+            && (self.names_points(content, false) || self.stated.title(content))
+        {
             return Ok(());
         }
-        let words = self.words(line, content)?;
-        if words.is_empty() || (self.values.is_empty() && self.header.take(&words)) {
+        let content = simplified(content);
+        self.has_quoted_commas |=
+            text.contains('"') && !text.contains(['\t', ';']) && content.contains(',');
+        let mut words = self.words(line, &content)?;
+        let is_first = self.values.is_empty();
+        if words.len() == self.columns + 1 && !is_first && words[self.columns].is_empty() {
+            words.pop();
+        }
+        let is_blank = words.iter().all(|word| word.is_empty())
+            && match is_first {
+                true => content.trim().is_empty(),
+                false => words.len() != self.columns,
+            };
+        if is_blank || is_first && self.header.take(&words) {
             return Ok(());
         }
-        if self.values.is_empty() {
+        if is_first {
             self.columns = words.len();
         }
         if words.len() != self.columns {
@@ -117,15 +161,21 @@ impl Reader<'_> {
         let points = self.values.len() + words.len();
         self.source
             .check_memory(points as u64, || format!("{points} points or more"))?;
-        if self.point.is_none() && words.iter().any(|word| word.contains('.')) {
+        for (has_text, place) in self.has_outer.iter_mut().zip([0, self.columns - 1]) {
+            *has_text |= !words[place].is_empty();
+        }
+        // Numbers of old libraries of C that are none have a point too: `1.#QNAN`.
+        let mut numbers = (0..).zip(&words).filter(|(_, word)| !word.contains('#'));
+        if self.point.is_none() && numbers.clone().any(|(_, word)| word.contains('.')) {
             self.point = Some(line);
         }
         if !self.evidence.is_decided() {
-            for (column, word) in words.iter().enumerate() {
+            numbers.try_for_each(|(column, word): (usize, _)| {
                 self.evidence.add(word);
                 let of_list = if self.columns == 3 { column } else { 0 };
                 self.marks[of_list].add(line as u64, word);
-            }
+                Some(())
+            });
         }
         for (column, word) in (1..).zip(words) {
             let height = self.height(line, column, word)?;
@@ -134,35 +184,67 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Whether a line is part of the header of a program above a list of points: of Zygo, whose heights are in micrometres and whose points are
+    /// counted, or of `WSxM`.
+    fn is_header_of_program(&mut self, line: usize, text: &str) -> bool {
+        /// Line and place of the distance of points, m.
+        const RESOLUTION: (usize, usize) = (8, 6);
+        if line == 1 && text.starts_with("Zygo XYZ Data File") {
+            self.is_zygo_header = true;
+            self.stated.height_unit = Some(HeightUnit::Length(1e-6));
+        }
+        if !self.is_zygo_header {
+            return text.starts_with("WSxM ");
+        }
+        self.is_zygo_header = text.trim() != "#";
+        if line == RESOLUTION.0 {
+            let value = text.split_whitespace().nth(RESOLUTION.1);
+            let distance = value.and_then(|value| value.parse().ok());
+            self.stated.spacing_unit = distance.filter(|distance| *distance > 0.0);
+        }
+        true
+    }
+
     /// Numbers of a line. They are separated by commas, unless blanks or semicolons separate them and a comma is inside a number; all
-    /// commas of a text have the same meaning.
+    /// commas of a text have the same meaning. Between separators other than blanks, nothing is a missing number.
     fn words<'t>(&mut self, line: usize, content: &'t str) -> Result<Vec<&'t str>, HeightMapError> {
+        let split = |separator: char| {
+            let cells: Vec<&str> = content.split(separator).map(str::trim).collect();
+            let is_row = content.contains(separator) && cells.iter().all(|cell| is_cell(cell));
+            is_row.then_some(cells)
+        };
+        if let Some(cells) = split(';').or_else(|| split('\t')) {
+            if content.contains(',') {
+                self.take_commas(line, Commas::Decimal)?;
+            }
+            return Ok(cells);
+        }
         let between = |c: char| c.is_whitespace() || c == ';';
         let parts: Vec<&str> = content.split(between).filter(|w| !w.is_empty()).collect();
-        let found = if !content.contains(',') {
-            None
-        } else if parts.len() > 1 && parts.iter().all(|part| is_decimal(part)) {
-            Some(Commas::Decimal)
-        } else if parts.len() == 1
-            || parts
-                .iter()
-                .all(|part| !part.trim_matches(',').contains(','))
-        {
-            Some(Commas::Separators)
-        } else {
-            return Err(self.ambiguous(line));
-        };
-        if let Some(found) = found {
-            if self.commas != Commas::Unknown && self.commas != found {
-                return Err(self.ambiguous(line));
-            }
-            self.commas = found;
-        }
-        if found != Some(Commas::Separators) {
+        if !content.contains(',') {
             return Ok(parts);
         }
-        let numbers = parts.iter().flat_map(|part| part.split(','));
-        Ok(numbers.filter(|word| !word.is_empty()).collect())
+        let is_decimal = |part: &&str| is_decimal(part) || is_not_measured(part);
+        if parts.len() > 1 && parts.iter().all(is_decimal) {
+            self.take_commas(line, Commas::Decimal)?;
+            return Ok(parts);
+        }
+        let has_none_inside = |part: &&str| !part.trim_matches(',').contains(',');
+        if parts.len() > 1 && !parts.iter().all(has_none_inside) {
+            return Err(self.ambiguous(line));
+        }
+        self.take_commas(line, Commas::Separators)?;
+        let numbers = || parts.iter().flat_map(|part| part.split(','));
+        Ok(split(',').unwrap_or_else(|| numbers().filter(|word| !word.is_empty()).collect()))
+    }
+
+    /// Takes the meaning of the commas of a line, which must be that of the lines before.
+    fn take_commas(&mut self, line: usize, found: Commas) -> Result<(), HeightMapError> {
+        if self.commas != Commas::Unknown && self.commas != found {
+            return Err(self.ambiguous(line));
+        }
+        self.commas = found;
+        Ok(())
     }
 
     fn ambiguous(&self, line: usize) -> HeightMapError {
@@ -172,29 +254,38 @@ impl Reader<'_> {
         }
     }
 
-    /// Whether a line names coordinates, `x y z` or `X (um), Y (um), Z (nm)`, whose units are kept.
-    fn names_points(&mut self, content: &str) -> bool {
-        let separators: [&[char]; 2] = [&[',', ';', '\t'], &[',', ';', '\t', ' ']];
+    /// Whether a line names coordinates in any order, `x y z` or `X (um), Y (um), Height (nm)`, whose places and units are kept.
+    fn names_points(&mut self, content: &str, is_comment: bool) -> bool {
+        let separators: [&[char]; 2] = [&SEPARATORS, &[',', ';', '\t', ' ']];
         separators.into_iter().any(|between| {
             let cells = content
                 .split(between)
                 .map(|cell| cell.trim().trim_matches('"'));
-            let cells: Vec<&str> = cells.filter(|cell| !cell.is_empty()).collect();
-            let [x, y, z] = cells[..] else { return false };
-            let [x, y, z] = [x, y, z].map(split_unit);
-            let named = [(&x, "x"), (&y, "y"), (&z, "z")];
-            let unit = |unit: &Option<String>| unit.as_deref().map(length_unit);
-            let units = [&x.1, &y.1, &z.1].map(unit);
-            let is_heading = named
-                .iter()
-                .all(|((name, _), axis)| name.eq_ignore_ascii_case(axis))
-                && units
-                    .iter()
-                    .all(|unit| unit.is_none_or(|known| known.is_some()))
-                && units[0] == units[1];
+            let cells: Vec<(String, Option<String>)> = cells
+                .filter(|cell| !cell.is_empty())
+                .map(split_unit)
+                .map(|(name, unit)| (name.to_lowercase(), unit))
+                .collect();
+            let find = |names: &[&str]| {
+                let mut named = cells.iter().enumerate();
+                let (place, (_, unit)) = named.find(|(_, cell)| names.contains(&&cell.0[..]))?;
+                let unit = unit.as_deref().map(length_unit);
+                // A unit of another dimension.
+                (unit != Some(None)).then_some((place, unit.flatten()))
+            };
+            let (Some(x), Some(y), Some(z)) = (find(&["x"]), find(&["y"]), find(&NAMES_OF_Z))
+            else {
+                return false;
+            };
+            let is_heading = x.1 == y.1 && cells.len() <= MOST_COLUMNS_OF_A_LIST;
             if is_heading {
-                self.stated.spacing_unit = units[0].flatten().or(self.stated.spacing_unit);
-                let height_unit = units[2].flatten().map(HeightUnit::Length);
+                self.list = Some(Heading {
+                    columns: cells.len(),
+                    places: [x.0, y.0, z.0],
+                    is_comment,
+                });
+                self.stated.spacing_unit = x.1.or(self.stated.spacing_unit);
+                let height_unit = z.1.map(HeightUnit::Length);
                 self.stated.height_unit = height_unit.or(self.stated.height_unit.take());
             }
             is_heading
@@ -207,8 +298,9 @@ impl Reader<'_> {
             return Err(self.ambiguous(line));
         }
         let separator = match self.commas {
-            Commas::Separators => ',',
-            _ => ';',
+            Commas::Decimal if !self.has_quoted_commas => ';',
+            Commas::Unknown => ';',
+            _ => ',',
         };
         let reading = self.evidence.notation(&self.marks, separator);
         let is_as_read =
@@ -225,19 +317,18 @@ impl Reader<'_> {
 
     /// A height of the text.
     fn height(&mut self, line: usize, column: usize, word: &str) -> Result<f64, HeightMapError> {
-        if ["BAD", "bad", "---", "--"].contains(&word) {
-            return Ok(f64::NAN);
-        }
-        let file = || self.source.file.to_owned();
-        // A word can only contain a decimal comma here.
-        let number = word.replace(',', ".").parse();
-        let value: f64 = number.map_err(|_| HeightMapError::NotANumber {
-            file: file(),
-            line,
-            column,
-            text: word.to_owned(),
-        })?;
-        let no_data = self.header.no_data;
+        let Some(value) = single(word) else {
+            if is_not_measured(word) {
+                return Ok(f64::NAN);
+            }
+            return Err(HeightMapError::NotANumber {
+                file: self.source.file.to_owned(),
+                line,
+                column,
+                text: word.to_owned(),
+            });
+        };
+        let no_data = self.header.no_data();
         if no_data.is_some_and(|marker| value.total_cmp(&marker).is_eq()) {
             self.first_missing.get_or_insert([line, column]);
             return Ok(f64::NAN);
@@ -245,8 +336,24 @@ impl Reader<'_> {
         Ok(value)
     }
 
-    fn table(self) -> Result<Table, HeightMapError> {
+    /// Leaves out a first or a last column without any text: separators at the ends of the rows.
+    fn without_empty_columns(&mut self) {
+        let columns = self.columns;
+        let [has_first, has_last] = self.has_outer;
+        if columns < 2 || has_first && has_last {
+            return;
+        }
+        let kept = usize::from(!has_first)..columns - usize::from(!has_last);
+        let rows = self.values.chunks_exact(columns);
+        self.values = rows.flat_map(|row| row[kept.clone()].to_vec()).collect();
+        self.columns = kept.len();
+    }
+
+    fn table(mut self) -> Result<Table, HeightMapError> {
         self.check_thousands()?;
+        if !self.header.found {
+            self.without_empty_columns();
+        }
         let Self {
             source,
             header,
@@ -254,27 +361,16 @@ impl Reader<'_> {
             columns,
             mut values,
             first_missing,
+            list,
             ..
         } = self;
+        let file = || source.file.to_owned();
         let rows = values.len().checked_div(columns).unwrap_or(0);
-        let is_numbered = |row: &[f64]| {
-            (0..)
-                .zip(row)
-                .all(|(k, value)| value.to_bits() == f64::from(k).to_bits())
-        };
-        let mut first_rows = values.chunks_exact(columns.max(1));
-        let [first, second] =
-            [first_rows.next(), first_rows.next()].map(|row| row.is_some_and(is_numbered));
-        if columns >= FEWEST_NUMBERED && first && !second {
-            return Err(HeightMapError::NumberedColumns {
-                file: source.file.to_owned(),
-            });
-        }
         let said_columns = header.columns.unwrap_or(columns);
         let said_rows = header.rows.unwrap_or(rows);
         if (said_columns, said_rows) != (columns, rows) {
             return Err(HeightMapError::HeaderSize {
-                file: source.file.to_owned(),
+                file: file(),
                 columns: said_columns,
                 rows: said_rows,
                 found_columns: columns,
@@ -282,21 +378,43 @@ impl Reader<'_> {
             });
         }
         if header.found {
-            stated.spacing = header.cell.map(|cell| [cell; 2]);
+            let [along_x, along_y] = header.cell;
+            stated.spacing = along_x
+                .or(along_y)
+                .map(|side| [along_x.unwrap_or(side), along_y.unwrap_or(side)]);
             let upside_down = values.rchunks_exact(columns.max(1));
             values = upside_down.flatten().copied().collect();
-        } else if columns == 3 && stated.extent == [None; 2] {
-            if let Some(mut table) = grid_of_points(&values) {
+        } else {
+            let is_sized = stated.extent != [None; 2];
+            let fitting = list.as_ref().filter(|heading| heading.columns == columns);
+            if let (Some(heading), None) = (&list, fitting)
+                && !heading.is_comment
+            {
+                return Err(source.no_map(format!(
+                    "its headings name {} columns, and its rows have {columns}",
+                    heading.columns
+                )));
+            }
+            let places = fitting.map(|heading| heading.places);
+            let is_list = columns == 3 && !is_sized || places.is_some();
+            let is_wide = !is_sized && (4..=MOST_COLUMNS_OF_A_LIST).contains(&columns);
+            let grid = (is_list || is_wide)
+                .then(|| grid_of_points(&values, columns, places.unwrap_or([0, 1, 2])))
+                .flatten();
+            if let Some(mut table) = grid {
+                if !is_list {
+                    return Err(source.no_map(format!(
+                        "it is a list of points x, y, z with {columns} columns: name them in a first line, as \"x y z intensity\", or keep three of them"
+                    )));
+                }
                 table.stated.height_unit = stated.height_unit;
                 table.stated.spacing_unit = stated.spacing_unit;
                 return Ok(table);
             }
-            if rows >= FEWEST_ROWS_OF_A_LIST {
-                return Err(HeightMapError::NotAGrid {
-                    file: source.file.to_owned(),
-                    rows,
-                });
+            if is_list && (places.is_some() || rows >= FEWEST_ROWS_OF_A_LIST) {
+                return Err(HeightMapError::NotAGrid { file: file(), rows });
             }
+            check_axes(source, &values, columns, is_sized)?;
         }
         Ok(Table {
             columns,
@@ -308,6 +426,105 @@ impl Reader<'_> {
     }
 }
 
+/// Refuses a matrix that has coordinates or numbers in its first row or column, and a profile of a line.
+fn check_axes(
+    source: &Source<'_>,
+    values: &[f64],
+    columns: usize,
+    is_sized: bool,
+) -> Result<(), HeightMapError> {
+    if columns == 0 {
+        return Ok(());
+    }
+    let rows = values.len() / columns;
+    let wrong = |problem: &str| Err(source.no_map(problem.to_owned()));
+    let row = |row: usize| values.iter().skip(row * columns).take(columns).copied();
+    let column = |column: usize| values.iter().skip(column).step_by(columns).copied();
+    let increases = |sign: f64| {
+        let pairs = column(0).zip(column(0).skip(1));
+        pairs.clone().all(|(one, next)| sign * next > sign * one)
+    };
+    let is_long = rows >= FEWEST_NUMBERED;
+    if columns == 2 && is_long && !is_sized && (increases(1.0) || increases(-1.0)) {
+        return wrong(
+            "it is a profile of a line, not a map: give a matrix of heights, or a list of points x, y, z",
+        );
+    }
+    if rows.min(columns) >= FEWEST_COORDINATES {
+        let [first_row, second_row] = [0, 1].map(|k| is_even(row(k).skip(1)));
+        let [first_column, second_column] = [0, 1].map(|k| is_even(column(k).skip(1)));
+        if first_row && !second_row && first_column && !second_column {
+            return wrong(
+                "its first row and its first column are coordinates or numbers, not heights: remove them (pandas leaves them out with \
+                 header=False, index=False)",
+            );
+        }
+    }
+    if columns >= FEWEST_NUMBERED && is_numbered(row(0)) && !is_numbered(row(1)) {
+        return Err(HeightMapError::NumberedColumns {
+            file: source.file.to_owned(),
+        });
+    }
+    if is_long && columns > 1 && is_numbered(column(0)) && !is_numbered(column(1)) {
+        return wrong(
+            "its first column is 0, 1, 2 and so on, which are numbers of rows, not heights: remove it (pandas leaves it out with index=False)",
+        );
+    }
+    Ok(())
+}
+
+/// Whether values are 0, 1, 2 and so on, or 1, 2, 3 and so on.
+fn is_numbered(mut values: impl Iterator<Item = f64>) -> bool {
+    let first = values.next().filter(|first| [0.0, 1.0].contains(first));
+    first.is_some_and(|first| {
+        (1..)
+            .zip(values)
+            .all(|(k, value)| value.total_cmp(&(first + f64::from(k))).is_eq())
+    })
+}
+
+/// Whether values are equally spaced, as rounded coordinates.
+fn is_even(mut values: impl Iterator<Item = f64>) -> bool {
+    /// Largest difference of two steps, over a step.
+    const ROUNDED: f64 = 0.01;
+    let (Some(first), Some(second)) = (values.next(), values.next()) else {
+        return false;
+    };
+    let step = second - first;
+    let mut last = second;
+    step != 0.0
+        && values.all(|value| {
+            let is_same = (value - last - step).abs() <= ROUNDED * step.abs();
+            last = value;
+            is_same
+        })
+}
+
+/// A line without blanks within a missing number of Zygo, and with separators in place of the quotes around its cells.
+fn simplified(line: &str) -> Cow<'_, str> {
+    const NO_DATA: &str = "No Data";
+    if line.contains(NO_DATA) {
+        return Cow::Owned(line.replace(NO_DATA, "NaN"));
+    }
+    if !line.contains('"') {
+        return Cow::Borrowed(line);
+    }
+    let separators = SEPARATORS.into_iter();
+    let separator = separators
+        .clone()
+        .find(|separator| line.contains(*separator));
+    let cells = table_text::cells(line, separator.unwrap_or(' '));
+    // Decimal commas within quotes.
+    let has_commas = cells.iter().any(|cell| cell.contains(','));
+    let between = separator.filter(|separator| !(has_commas && *separator == ','));
+    Cow::Owned(cells.join(&between.unwrap_or('\t').to_string()))
+}
+
+/// Whether a cell between separators is a number, or a missing one.
+fn is_cell(cell: &str) -> bool {
+    single(cell).is_some() || is_not_measured(cell)
+}
+
 /// Whether a word is a number with a decimal comma or without a fraction.
 fn is_decimal(word: &str) -> bool {
     let (whole, fraction) = word.split_once(',').unwrap_or((word, "0"));
@@ -316,28 +533,79 @@ fn is_decimal(word: &str) -> bool {
     ends_in_digit && begins_with_digit && !fraction.contains(',') && !word.contains('.')
 }
 
+/// Names of heights in the headings of lists of points, in lower case.
+const NAMES_OF_Z: [&str; 4] = ["z", "height", "h\u{f6}he", "hauteur"];
+
+/// Names of the extent along x in the languages of Gwyddion, in lower case.
+const WIDTHS: [&str; 7] = [
+    "width",
+    "breite",
+    "largeur",
+    "anchura",
+    "ancho",
+    "larghezza",
+    "\u{161}\u{ed}\u{159}ka",
+];
+
+/// Names of the extent along y.
+const HEIGHTS: [&str; 7] = [
+    "height",
+    "h\u{f6}he",
+    "hauteur",
+    "altura",
+    "alto",
+    "altezza",
+    "v\u{fd}\u{161}ka",
+];
+
+/// Names of the unit of the heights.
+const VALUE_UNITS: [&str; 4] = ["value units", "werteinheiten", "werteinheit", "unit\u{e9}s"];
+
 impl Stated {
-    /// Reads a comment before the heights, as Gwyddion writes it: `Width: 10 um`, `Height: 10 um`, `Value units: m`.
+    /// Reads a comment before the heights, as Gwyddion writes it in several languages: `Width: 10 um`, `Height: 10 um`, `Value units: m`; and as
+    /// SPIP does, with lengths in nm: `x-length = 16000`.
     fn take(&mut self, comment: &str) {
-        let Some((name, value)) = comment.split_once(':') else {
+        let Some((name, value)) = comment.split_once([':', '=']) else {
             return;
         };
-        // A micro sign of another encoding is not valid UTF-8.
-        let value = value.trim().replace('\u{fffd}', "u").replace(',', ".");
-        match name.trim() {
-            "Width" => self.extent[0] = parse_quantity(&value, Dimension::Length).ok(),
-            "Lateral units" | "XY units" => {
-                let unit = parse_quantity(&format!("1 {value}"), Dimension::Length);
-                self.spacing_unit = unit.ok();
-            }
-            "Height" => self.extent[1] = parse_quantity(&value, Dimension::Length).ok(),
-            "Value units" => {
-                let unit = parse_quantity(&format!("1 {value}"), Dimension::Length);
-                let unit = unit.map(HeightUnit::Length);
-                self.height_unit = Some(unit.unwrap_or(HeightUnit::Other(value)));
-            }
-            _ => {}
+        let value = value.trim().replace(',', ".");
+        let length = |text: &str| parse_quantity(text, Dimension::Length).ok();
+        let nanometres = || {
+            let number = number(&value, Notation::Single)?;
+            length(&format!("{number} nm"))
+        };
+        let name = name.trim().to_lowercase();
+        let is = |names: &[&str]| names.contains(&&name[..]);
+        if is(&WIDTHS) {
+            self.extent[0] = length(&value);
+        } else if is(&HEIGHTS) {
+            self.extent[1] = length(&value);
+        } else if is(&["x-length"]) {
+            self.extent[0] = nanometres().or_else(|| length(&value));
+        } else if is(&["y-length"]) {
+            self.extent[1] = nanometres().or_else(|| length(&value));
+        } else if is(&["bit2nm"]) {
+            self.height_unit = nanometres().map(HeightUnit::Length);
+        } else if is(&["lateral units", "xy units"]) {
+            self.spacing_unit = length(&format!("1 {value}"));
+        } else if is(&VALUE_UNITS) {
+            let unit = length(&format!("1 {value}")).map(HeightUnit::Length);
+            self.height_unit = Some(unit.unwrap_or(HeightUnit::Other(value)));
         }
+    }
+
+    /// Whether a line is a title of the heights with their unit, which is kept: `Height(nm)`.
+    fn title(&mut self, line: &str) -> bool {
+        let (name, unit) = split_unit(line.trim().trim_matches('"'));
+        let name = name.to_lowercase();
+        let is_title = NAMES_OF_Z
+            .iter()
+            .any(|known| name == *known || known.len() > 1 && name.starts_with(known));
+        let unit = unit.as_deref().filter(|_| is_title).and_then(length_unit);
+        if let Some(unit) = unit {
+            self.height_unit = Some(HeightUnit::Length(unit));
+        }
+        unit.is_some()
     }
 }
 
@@ -346,24 +614,34 @@ impl Stated {
 struct EsriHeader {
     columns: Option<usize>,
     rows: Option<usize>,
-    cell: Option<f64>,
+    /// Sides of a cell along x and y.
+    cell: [Option<f64>; 2],
     no_data: Option<f64>,
     found: bool,
 }
 
 impl EsriHeader {
+    /// The number of a missing point; the format defines one for headers that do not state it.
+    fn no_data(&self) -> Option<f64> {
+        const USUAL: f64 = -9999.0;
+        self.no_data.or(self.found.then_some(USUAL))
+    }
+
     /// Reads a line of the header. Returns false if the line is not part of a header.
     fn take(&mut self, words: &[&str]) -> bool {
         let [key, value] = words else {
             return false;
         };
+        let number = || single(value);
         match key.to_ascii_lowercase().as_str() {
             "ncols" => self.columns = value.parse().ok(),
             "nrows" => self.rows = value.parse().ok(),
-            "cellsize" => self.cell = value.replace(',', ".").parse().ok(),
-            "nodata_value" => self.no_data = value.replace(',', ".").parse().ok(),
+            "cellsize" => self.cell = [number(); 2],
+            "dx" => self.cell[0] = number(),
+            "dy" => self.cell[1] = number(),
+            "nodata_value" => self.no_data = number(),
             // The caller sets the position of the map.
-            "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" | "dx" | "dy" => {}
+            "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" => {}
             _ => return false,
         }
         self.found = true;
@@ -371,31 +649,35 @@ impl EsriHeader {
     }
 }
 
-/// Map from a list of points x, y, z, if they are all points of a grid, in any order.
-fn grid_of_points(values: &[f64]) -> Option<Table> {
-    let count = values.len() / 3;
+/// Map from a list of points, if they are all points of a grid, in any order: rows of so many columns, with x, y and z in the given ones.
+pub(crate) fn grid_of_points(
+    values: &[f64],
+    columns: usize,
+    [x, y, z]: [usize; 3],
+) -> Option<Table> {
+    let count = values.len().checked_div(columns)?;
     if count < FEWEST_POINTS {
         return None;
     }
-    let [along_x, along_y] = [0, 1].map(|axis| Levels::of(values.iter().skip(axis).step_by(3)));
-    let (along_x, along_y) = (along_x?, along_y?);
-    let (columns, rows) = (along_x.count, along_y.count);
+    let along = |axis: usize| Levels::of(values.iter().skip(axis).step_by(columns));
+    let (along_x, along_y) = (along(x)?, along(y)?);
+    let [row_count, column_count] = [along_y.count, along_x.count];
     // Points of a long list may be missing, up to half of the grid; three short columns are rather a map.
-    let cells = columns.checked_mul(rows)?;
+    let cells = column_count.checked_mul(row_count)?;
     let is_most = count >= FEWEST_ROWS_OF_A_LIST && cells <= 2 * count;
     if cells != count && !is_most {
         return None;
     }
     let mut heights = vec![None; cells];
-    for point in values.chunks_exact(3) {
-        let cell = along_y.place(point[1]) * columns + along_x.place(point[0]);
-        if heights[cell].replace(point[2]).is_some() {
+    for point in values.chunks_exact(columns) {
+        let cell = along_y.place(point[y]) * column_count + along_x.place(point[x]);
+        if heights[cell].replace(point[z]).is_some() {
             return None;
         }
     }
     Some(Table {
-        columns,
-        rows,
+        columns: column_count,
+        rows: row_count,
         values: heights
             .into_iter()
             .map(|height| height.unwrap_or(f64::NAN))

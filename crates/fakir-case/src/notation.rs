@@ -331,6 +331,12 @@ pub fn number(text: &str, notation: Notation) -> Option<String> {
     plain.parse::<f64>().is_ok().then_some(plain)
 }
 
+/// The number of a text by itself ([`Notation::Single`]).
+pub(crate) fn single(text: &str) -> Option<f64> {
+    let plain = text.parse().ok().filter(|value: &f64| value.is_finite());
+    plain.or_else(|| number(text, Notation::Single)?.parse().ok())
+}
+
 /// Whether a text is a number in any notation.
 #[must_use]
 pub fn is_number(text: &str) -> bool {
@@ -345,9 +351,64 @@ fn is_plain_number(text: &str) -> bool {
     text.parse::<f64>().is_ok_and(f64::is_finite)
 }
 
+/// Texts of cells that stand for a value that was not measured, in lower case. A row of asterisks does too.
+const NOT_MEASURED: [&str; 13] = [
+    "", "na", "n/a", "-", "--", "---", "bad", "null", "none", "?", "missing", "no data", "nodata",
+];
+
+/// Texts of numbers that are none, without their sign and without zeros behind them, as the libraries of C write them.
+const NO_NUMBERS: [&str; 5] = ["nan", "nan(ind)", "nan(snan)", "1.#ind", "1.#qnan"];
+
+/// Errors of formulas in spreadsheets, in English and German.
+const FORMULA_ERRORS: [&str; 11] = [
+    "#N/A", "#DIV/0!", "#VALUE!", "#REF!", "#NAME?", "#NUM!", "#NULL!", "#NV", "#WERT!", "#BEZUG!",
+    "#ZAHL!",
+];
+
+/// Whether a cell stands for a value that was not measured.
+#[must_use]
+pub fn is_not_measured(text: &str) -> bool {
+    let lower = text.trim().to_lowercase();
+    let unsigned = lower.strip_prefix(['-', '+']).unwrap_or(&lower);
+    // With the exponent of a number: `1.#QNAN0e+000`.
+    let unsigned = match unsigned.split_once("e+") {
+        Some((text, _)) if text.contains('#') => text,
+        _ => unsigned,
+    };
+    NOT_MEASURED.contains(&&lower[..])
+        || lower.bytes().all(|byte| byte == b'*')
+        || NO_NUMBERS.contains(&unsigned.trim_end_matches('0'))
+        || is_formula_error(&lower)
+}
+
+/// Whether a text is an error of a formula.
+#[must_use]
+pub fn is_formula_error(text: &str) -> bool {
+    let mut errors = FORMULA_ERRORS.iter();
+    errors.any(|error| error.eq_ignore_ascii_case(text))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_of_missing_values() {
+        for text in [
+            "-1.#IND",
+            "1.#QNAN0",
+            "-1.#IND00e+000",
+            "***",
+            "No Data",
+            "N/A",
+            "null",
+            "#N/A",
+            "",
+        ] {
+            assert!(is_not_measured(text), "{text}");
+        }
+        assert!(!is_not_measured("1.#INF") && !is_not_measured("0") && !is_not_measured("nan1"));
+    }
 
     #[test]
     fn notations_of_files() {

@@ -243,6 +243,8 @@ mod tests {
             "x_nm;y_nm;diameter_nm\n10.000;0,0;4.000\n30.000;0,0;6.000\n",
             "X (\u{b5}m)\tY (\u{b5}m)\tRadius (nm)\n10\t0\t2000\n30\t0\t3000\n",
             "Pillar,x,y,d\n,mm,mm,um\n1,0.01,0,4\n2,0.03,0,6\n",
+            "x in \u{b5}m;y in \u{b5}m;Diameter (microns)\n10;0;4\n30;0;6\n",
+            "Stage X (mm),Stage Y (mm),Diameter (micrometer)\n0.01,0,4\n0.03,0,6\n",
             " ,Label,X [um],Y [um],Diameter [um],Area [um^2],Mean,Circ.\n1,a,10,0,4,1,9,1\n2,b,30,0,6,1,9,1\n",
         ] {
             let found = read(text).unwrap();
@@ -267,16 +269,22 @@ mod tests {
         assert!(without.contains("column \"Area\" has no unit"), "{without}");
         assert!(without.contains("\"FILE [um]\""), "{without}");
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join("Results.csv"), text).unwrap();
         let common = Pillar {
             diameter: f64::NAN,
             height: 2e-6,
             compliance: PillarCompliance::Column,
         };
-        let table = read_pillars(&folder.path().join("Results.csv [um]"), &common).unwrap();
-        let [x, y, height, diameter] = table.rows[0];
-        assert!((x - 1e-5).abs() < 1e-18 && y.abs() < 1e-18 && (height - 2e-6).abs() < 1e-18);
-        assert!((diameter - 6e-6).abs() < 1e-15, "{diameter}");
+        let without_box = text.replace("BX,BY", "Min,Max").replace("Mean", "%Area");
+        let of_mass = without_box
+            .replace("X,Y,", "XM,YM,")
+            .replace("Width,Height", "Major,Minor");
+        for text in [text, &without_box, &of_mass] {
+            std::fs::write(folder.path().join("Results.csv"), text).unwrap();
+            let table = read_pillars(&folder.path().join("Results.csv [um]"), &common).unwrap();
+            let [x, y, height, diameter] = table.rows[0];
+            assert!((x - 1e-5).abs() < 1e-18 && y.abs() < 1e-18 && (height - 2e-6).abs() < 1e-18);
+            assert!((diameter - 6e-6).abs() < 1e-15, "{diameter}");
+        }
     }
 
     #[test]
@@ -288,13 +296,20 @@ mod tests {
             wrong("")
         );
         assert!(wrong("x_m,y_m\n").contains("there are no pillars"));
-        assert!(wrong("x_m,y_m,colour\n0,0,1").contains("line 1: there is no column \"colour\""));
+        assert!(wrong("x_m,y_m,colour\n0,0,1").contains("line 1: column \"colour\" is not known"));
         assert!(wrong("x_m,y_m\n0,zero").contains("line 2: y_m is \"zero\""));
         assert!(wrong("x_m,y_m\n0,0\n1e-3").contains("line 3"));
         assert!(wrong("x_m,y_m\n0,inf").contains("line 2: y_m is inf"));
         assert!(wrong("x_m,y_m,height_m\n0,0,-1").contains("line 2: height_m is -1"));
         assert!(wrong("x_um,y\n0,0").contains("column \"y\" has no unit"));
-        assert!(wrong("x_px,y [px]\n0,0").contains("there is no column \"x_px\""));
+        assert!(wrong("x_px,y [px]\n0,0").contains("column \"x_px\" is not known"));
+        let both = "x_um,y_um,radius_um,diameter_um\n10,0,3.0,6.05\n30,0,";
+        assert!(read(&format!("{both}2.5,5\n")).is_ok());
+        let error = wrong(&format!("{both}5,5\n"));
+        assert!(
+            error.contains("line 3: radius and diameter contradict"),
+            "{error}"
+        );
         assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in the unknown unit \"px\""));
         let statistic = wrong(" ,Label,X [m],Y [m]\n1,a.tif,0,0\n2,a.tif,1,0\n3,Mean,0.5,0\n");
         assert!(

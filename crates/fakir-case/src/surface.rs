@@ -5,7 +5,7 @@ use crate::entries::both_given;
 use crate::error::{CaseError, Place};
 use crate::file::CaseFile;
 use crate::height_map::{
-    GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, read_scaled_map, scaled_map_in, shown,
+    GivenScale, HEIGHT_UNIT, HeightMapError, MapSize, ReadMap, map_in, read_map, shown,
 };
 use crate::height_table::BYTES_PER_POINT;
 use crate::input;
@@ -30,6 +30,8 @@ pub struct SurfaceCase {
     pub system: SurfaceSystem,
     /// Source of the surface.
     pub origin: SurfaceOrigin,
+    /// Height unit that the file of a height map states, m.
+    stated_unit: Option<f64>,
     /// All given keys and their values, as written in a case file.
     settings: Vec<(Key, String)>,
 }
@@ -155,14 +157,16 @@ impl CaseFile {
         let (kind, parts) = self.surface_parts()?;
         self.relaxation_of(&parts)?;
         let SurfaceParts { boundary, .. } = parts.surface;
+        let mut stated_unit = None;
         let (surface, origin) = if kind == Part::HeightMap {
             let named = Path::new(&parts.surface.height_map);
             let path = match &self.table {
                 Some((name, _)) if name == named => name.clone(),
                 _ => self.named_file(Key::HeightMap, &parts.surface.height_map),
             };
-            let surface = self.height_map(&parts.surface, &path, memory_limit)?;
-            (surface, SurfaceOrigin::HeightMap(path))
+            let read = self.height_map(&parts.surface, &path, memory_limit)?;
+            stated_unit = read.stated_unit;
+            (read.map, SurfaceOrigin::HeightMap(path))
         } else {
             let pattern = self.pattern(&parts)?;
             let surface = self.draw(&pattern, &parts, memory_limit)?;
@@ -217,6 +221,7 @@ impl CaseFile {
         Ok(SurfaceCase {
             system,
             origin,
+            stated_unit,
             settings: self.settings(parts),
         })
     }
@@ -385,7 +390,7 @@ impl CaseFile {
         parts: &SurfaceParts,
         path: &Path,
         memory_limit: usize,
-    ) -> Result<HeightMap, CaseError> {
+    ) -> Result<ReadMap, CaseError> {
         let cell_size = self.entry(Key::CellSize);
         let width = self.entry(Key::MapWidth);
         let scale = GivenScale {
@@ -408,10 +413,8 @@ impl CaseFile {
                 .accepted("leave it out, or name an .npz file as surface.height_map"));
         }
         let read = match &self.table {
-            Some((name, contents)) if name == path => {
-                scaled_map_in(path, contents, &scale, memory_limit)
-            }
-            _ => read_scaled_map(path, array, &scale, memory_limit),
+            Some((name, contents)) if name == path => map_in(path, contents, &scale, memory_limit),
+            _ => read_map(path, array, &scale, memory_limit),
         };
         read.map_err(|error| match error {
             HeightMapError::TooLarge { points, bytes, .. } => {
@@ -469,13 +472,26 @@ impl CaseFile {
         let (grid, range) = (surface.grid(), surface.highest() - surface.lowest());
         let [width, height] = grid.cell();
         let extent = (width * grid.columns() as f64).max(height * grid.rows() as f64);
+        let unit = match (self.given(Key::HeightUnit)?, case.stated_unit) {
+            (Some(unit), _) => unit.abs(),
+            (None, stated) => stated.unwrap_or(1.0),
+        };
+        if let Some((marker, count)) = marker_of_missing(surface.heights(), unit) {
+            let times = if count == 1 {
+                "once"
+            } else {
+                "in several points"
+            };
+            let problem = format!(
+                "the number {marker} is in the file {times}, far from the heights: it probably marks missing points"
+            );
+            return Err(self
+                .problem(Key::HeightMap, problem)
+                .accepted("replace it by NaN in the file"));
+        }
         if range == 0.0 || (LOWEST_RELIEF..=HIGHEST_RELIEF * extent).contains(&range) {
             return Ok(());
         }
-        let unit = match self.given(Key::HeightUnit)? {
-            Some(unit) => unit.abs(),
-            None => 1.0,
-        };
         let is_usual = |unit_meant: &&str| {
             let meant = parse_quantity(&format!("1 {unit_meant}"), Dimension::Length);
             let relief = meant.map_or(f64::NAN, |meant| range / unit * meant);
@@ -491,6 +507,10 @@ impl CaseFile {
         let problem = format!(
             "heights differ by {range} on a map of {extent}, where a height of 1 in the file stands for {unit}"
         );
+        if case.stated_unit.is_some() {
+            let accepted = "the file states this unit, which looks wrong: correct it in the file, or the size of the map";
+            return Err(self.problem(key, problem).accepted(accepted));
+        }
         Err(self.problem(key, problem).accepted(match &units[..] {
             [] => format!(
                 "give {}, and the size of the map, as the file has them",
@@ -670,6 +690,50 @@ impl CaseFile {
         keys.map(|key| (*key, key.written(&key.get(&mut parts))))
             .collect()
     }
+}
+
+/// The number that programs write for a missing point and how many heights (m) have it, if these are far from the others.
+fn marker_of_missing(heights: &[f64], unit: f64) -> Option<(String, usize)> {
+    /// Numbers that mark missing points, of either sign: also the largest one of 4 bytes and half of it.
+    const MARKERS: [f64; 6] = [
+        999.99,
+        9999.0,
+        99_999.0,
+        999_999.0,
+        1.701_41e38,
+        3.402_82e38,
+    ];
+    /// The smallest whole numbers of 2 and 4 bytes.
+    const SMALLEST: [f64; 2] = [-32_768.0, -2_147_483_648.0];
+    /// Relative precision of such a number as it is written.
+    const SAME: f64 = 1e-5;
+    /// Distance of the number from the other heights, over their range.
+    const FAR: f64 = 2.0;
+    let is_marker = |height: f64| {
+        let value = height / unit;
+        let is = |marker: &f64| (value - marker).abs() <= SAME * marker.abs();
+        let mut signed = MARKERS.iter().flat_map(|marker| [*marker, -marker]);
+        signed.any(|marker| is(&marker)) || SMALLEST.iter().any(is)
+    };
+    let ends = [f64::min, f64::max].map(|end| heights.iter().copied().reduce(end));
+    let found = ends.into_iter().flatten().find(|end| is_marker(*end))?;
+    let is_found = |height: f64| (height - found).abs() <= SAME * found.abs();
+    let others = heights.iter().filter(|height| !is_found(**height));
+    let (least, most) = others
+        .clone()
+        .fold((f64::MAX, f64::MIN), |(least, most), height| {
+            (least.min(*height), most.max(*height))
+        });
+    let distance = (found - least).abs().min((found - most).abs());
+    let count = heights.len() - others.count();
+    // With six digits, without the error of the division.
+    let marker: f64 = format!("{:.5e}", found / unit).parse().ok()?;
+    let shown = match marker.abs() < 1e15 {
+        true => marker.to_string(),
+        false => format!("{marker:.4e}"),
+    };
+    // Two heights alone are those of a design.
+    (most > least && distance > FAR * (most - least)).then_some((shown, count))
 }
 
 /// Pillar with the given values.

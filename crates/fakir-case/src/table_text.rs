@@ -2,6 +2,7 @@
 
 use crate::formats;
 use crate::input::{read, read_all};
+use crate::notation::is_formula_error;
 use crate::spreadsheet;
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
@@ -66,16 +67,34 @@ pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
         [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
         _ if bytes.contains(&0) => None,
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-            Some(match std::str::from_utf8(bytes) {
-                Ok(text) => Cow::Borrowed(text),
-                // The bytes of Latin-1 are the first characters of Unicode.
-                Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
-            })
-        }
+        _ => Some(narrow_text(bytes)),
     }
     .map(|text| with_cells_in_one_line(&text).map_or(text, Cow::Owned))
+}
+
+/// The text of bytes in UTF-8, with or without a byte order mark, or in Latin-1.
+pub(crate) fn narrow_text(bytes: &[u8]) -> Cow<'_, str> {
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        // The bytes of Latin-1 are the first characters of Unicode.
+        Err(_) => Cow::Owned(bytes.iter().map(|byte| char::from(*byte)).collect()),
+    }
+}
+
+/// The text of a line before a comment, and the comment. `#` begins a comment only at the beginning of a word, as numbers of old libraries of C
+/// contain it (`-1.#IND`), and errors of formulas do not begin one.
+pub(crate) fn split_comment(line: &str) -> (&str, &str) {
+    let is_between = |c: char| c.is_whitespace() || SEPARATORS.contains(&c);
+    let begins = |place: usize| {
+        let word = line[place..].split(is_between).next().unwrap_or_default();
+        line[..place].chars().next_back().is_none_or(is_between) && !is_formula_error(word)
+    };
+    let mut marks = line.match_indices('#').map(|(place, _)| place);
+    match marks.find(|place| begins(*place)) {
+        Some(place) => (&line[..place], &line[place + 1..]),
+        None => (line, ""),
+    }
 }
 
 /// The text with cells in quotes that continue in the lines below, as headings of spreadsheets do, in one line each; empty lines below keep the

@@ -174,6 +174,129 @@ fn rows_of_numbers() {
     }
 }
 
+/// The rows of the fixtures, as several programs write them.
+#[test]
+fn rows_of_other_programs() {
+    let given = SCALE.into();
+    let rows = "0\t1\t2\t3\n10\t11\t12\t13\n20\t21\t22\t2.3D+01\n";
+    let wide = format!("\u{feff}{rows}");
+    let wide = wide.encode_utf16().flat_map(u16::to_le_bytes);
+    let mut packer = flate2::write::GzEncoder::new(Vec::new(), Compression::default());
+    packer.write_all(rows.as_bytes()).unwrap();
+    for text in [
+        wide.collect(),
+        packer.finish().unwrap(),
+        format!("Height(nm)\n{rows}").into_bytes(),
+        b";0;1;2;3\n;10;11;12;13\n;20;21;22;23\n".to_vec(),
+        b"0,1,2,3,\n10,11,12,13,\n20,21,22,23,\n".to_vec(),
+        b"\"0\",\"1\",\"2\",\"3\"\n\"10\",11,12,13\n20,21,22,\"23.0\"\n".to_vec(),
+    ] {
+        match read_text(text, &given) {
+            Ok(map) => check(&map),
+            Err(error) => panic!("{error}"),
+        }
+    }
+    let error = read_text("\"1,234\",\"2,345\"\n", &given)
+        .unwrap_err()
+        .to_string();
+    assert!(error.contains("1.234 or 1234"), "{error}");
+    let thousands = read_text("1 234,5\t2 345,6\n", &given).unwrap();
+    assert!((thousands.heights()[0] - 1234.5e-9).abs() < 1e-18);
+    let minus = read_text("\u{2212}1.5 2.5\n", &given).unwrap();
+    assert!((minus.heights()[0] + 1.5e-9).abs() < 1e-20);
+}
+
+/// Texts of points that were not measured, also where a number would be if `#` began a comment, and empty cells.
+#[test]
+fn texts_of_missing_points() {
+    let given = SCALE.into();
+    for (text, place) in [
+        ("0 1 2 -1.#IND\n10 11 12 13\n", "column 3, row 0"),
+        ("0,1,2,3\n10,11,12,1.#QNAN\n", "column 3, row 1"),
+        ("0;1;2;3\n10;;12;13\n", "column 1, row 1"),
+        (",1,2,3\n10,11,12,13\n", "column 0, row 0"),
+        ("0\t1\t\t3\n10\t11\t12\t13\n", "column 2, row 0"),
+        ("1,2,3,\n4,5,6,7\n", "column 3, row 0"),
+        ("0 1 N/A 3 # note\n10 11 12 13\n", "column 2, row 0"),
+        ("0,5 *** 2,5\n", "column 1, row 0"),
+    ] {
+        let error = read_text(text, &given).expect_err(text).to_string();
+        assert!(
+            error.contains("1 of ") && error.contains(place),
+            "{text}: {error}"
+        );
+    }
+    let points = "0 0 1\n1 0 2\n2 0 3\n0 1 1\n1 1 -1.#IND\n2 1 3\n";
+    let empty = points.replace("-1.#IND", "").replace(' ', ",");
+    for text in [points, &empty, &points.replace("-1.#IND", "No Data")] {
+        let error = read_text(text, &given).expect_err(text).to_string();
+        assert!(
+            error.contains("1 of 6 heights are missing"),
+            "{text}: {error}"
+        );
+    }
+}
+
+/// Coordinates, numbers of rows, profiles, and lists of points with further columns.
+#[test]
+fn numbers_that_are_no_matrix_of_heights() {
+    let given = SCALE.into();
+    let height = |row: i32, column: i32| f64::from((7 * row + 3 * column * column) % 10);
+    let matrix = |corner: &str, axes: [bool; 2]| -> String {
+        let row = |row: i32| {
+            let cells = (-i32::from(axes[0])..9).map(|column| match (row, column) {
+                (-1, -1) => corner.to_owned(),
+                (-1, k) | (k, -1) => format!("{}", 0.5 * f64::from(k)),
+                _ => height(row, column).to_string(),
+            });
+            cells.collect::<Vec<String>>().join(",")
+        };
+        let rows = (-i32::from(axes[1])..9).map(row);
+        rows.collect::<Vec<String>>().join("\n")
+    };
+    let numbered: String = (1..9)
+        .map(|row| format!("{row} {} {}\n", height(row, 1), height(row, 2)))
+        .collect();
+    let profile: String = (0..9)
+        .map(|k| format!("{} {}\n", 0.5 * f64::from(k), height(k, 0)))
+        .collect();
+    let four: String = (0..12)
+        .map(|k| format!("{} {} {} 255\n", k % 4, k / 4, 10 * (k / 4) + k % 4))
+        .collect();
+    for (text, problem) in [
+        (
+            matrix("0", [true, true]),
+            "its first row and its first column are coordinates",
+        ),
+        (
+            matrix("", [true, true]),
+            "its first row and its first column are coordinates",
+        ),
+        (numbered, "numbers of rows"),
+        (profile, "it is a profile of a line, not a map"),
+        (four.clone(), "with 4 columns: name them"),
+    ] {
+        let error = read_text(&text, &given).expect_err(&text).to_string();
+        assert!(error.contains(problem), "{text}: {error}");
+    }
+    let sentence = format!("# scan along x and y with z\n{}", matrix("", [false; 2]));
+    assert!(read_text(sentence, &given).is_ok());
+    let error = read_text(format!("x y z\n{four}"), &given)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("its headings name 3 columns, and its rows have 4"),
+        "{error}"
+    );
+    check(&read_text(format!("x y z intensity\n{four}"), &given).unwrap());
+    let list: Vec<u8> = (0..12)
+        .flat_map(|k| [k % 4, k / 4, 10 * (k / 4) + k % 4])
+        .flat_map(|value| f64::from(value).to_le_bytes())
+        .collect();
+    let error = failure("list.npy", &npy(1, "<f8", false, "(12, 3)", &list)).to_string();
+    assert!(error.contains("a list of 12 points x, y, z"), "{error}");
+}
+
 /// Reads a text with the given part of its scale.
 fn read_text(text: impl AsRef<[u8]>, scale: &GivenScale) -> Result<HeightMap, HeightMapError> {
     let folder = tempfile::tempdir().expect("a folder for the test");
@@ -278,6 +401,44 @@ fn lists_of_points() {
         matches!(error, HeightMapError::Contradiction { .. }),
         "{error}"
     );
+    // Other names and another order.
+    for heading in ["Y [\u{b5}m];X [\u{b5}m];Height [nm]", "y_um,x_um,height_nm"] {
+        let swapped = points(1.0).into_iter().map(|point| {
+            let cells: Vec<&str> = point.split(' ').collect();
+            format!("{};{};{}", cells[1], cells[0], cells[2])
+        });
+        let rows = swapped.collect::<Vec<String>>().join("\n");
+        check(&read_text(format!("{heading}\n{rows}"), &GivenScale::default()).unwrap());
+    }
+    // Zygo: heights in um, and points that are counted, at a distance in the header.
+    let counted = |k: i32| {
+        format!(
+            "{} {} {}\n",
+            k % 4,
+            k / 4,
+            1e-3 * f64::from(10 * (k / 4) + k % 4)
+        )
+    };
+    let counted: String = (0..12).map(counted).collect();
+    let zygo = |distance: &str| {
+        let lines = "0 0 0 0\n".repeat(6);
+        format!(
+            "Zygo XYZ Data File - Format 1\n{lines}0 0.5 0 0 1 0 {distance} 0\n\"x\"\n#\n{counted}"
+        )
+    };
+    let square = GivenScale {
+        size: Some(MapSize::Pixel([2e-6; 2])),
+        ..GivenScale::default()
+    };
+    for (scale, distance) in [
+        (&square, "2e-06"),
+        (&square, "0"),
+        (&GivenScale::default(), "2e-06"),
+    ] {
+        let map = read_text(zygo(distance), scale).unwrap();
+        assert!((map.grid().cell()[1] - 2e-6).abs() < 1e-18);
+        assert!((map.highest() - 23e-9).abs() < 1e-18, "{}", map.highest());
+    }
     // Columns and rows that are counted.
     let counted =
         (0..12).map(|cell| format!("{} {} {}\n", cell % 4, cell / 4, 10 * (cell / 4) + cell % 4));
@@ -343,6 +504,22 @@ fn sizes_that_a_file_states() {
         "{error}"
     );
     check(&read_text(stated("8.0 um", "V"), &given).unwrap());
+    // Other languages, and SPIP.
+    for heading in [
+        "# Kanal: H\u{f6}he\n# Breite: 8,0 \u{b5}m\n# H\u{f6}he: 3,0 \u{b5}m\n# Value units: nm\n",
+        "# Largeur : 8,0 um\n# Hauteur : 3,0 um\n# Unit\u{e9}s : nm\n",
+        "# x-length = 8000\n# y-length = 3000\n# Bit2nm = 1\n",
+    ] {
+        for scale in [&nothing, &given] {
+            check(&read_text(format!("{heading}{rows}"), scale).unwrap());
+        }
+        let other = GivenScale {
+            size: Some(MapSize::Width(9e-6)),
+            ..nothing
+        };
+        let error = read_text(format!("{heading}{rows}"), &other).unwrap_err();
+        assert!(error.to_string().contains("a width of 8 um"), "{error}");
+    }
     // An ESRI ASCII grid has cells of an unknown unit.
     let esri = |cell| format!("ncols 4\nnrows 3\ncellsize {cell}\n{rows}");
     let squares = |size: f64| GivenScale {
@@ -350,6 +527,13 @@ fn sizes_that_a_file_states() {
         ..given
     };
     assert!(read_text(esri("0.5"), &squares(0.5e-6)).is_ok());
+    let upside_down = "20 21 22 23\n10 11 12 13\n0 1 2 3\n";
+    let oblong = format!("ncols 4\nnrows 3\ndx 2\ndy 1\n{upside_down}");
+    for scale in [&squares(2e-6), &given] {
+        check(&read_text(&oblong, scale).unwrap());
+    }
+    let error = read_text(&oblong, &squares(1e-6)).unwrap_err().to_string();
+    assert!(error.contains("a distance of points of 2"), "{error}");
     let error = read_text(esri("0.5"), &squares(1e-6)).unwrap_err();
     assert!(
         matches!(error, HeightMapError::Contradiction { .. }),
@@ -368,8 +552,13 @@ fn files_of_other_formats_are_named() {
             "fakir.bem.Surface accepts its objects",
         ),
         (b"II+\0", "a BigTIFF image", "bigtiff=False"),
+        (
+            b"WSxM file copyright UAM\nSxM Image file\nImage header size: 4607\n\0",
+            "a WSxM file",
+            "Gwyddion",
+        ),
         (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
-        (b"\xff\xfe0\0", "UTF-16", "save it as text in UTF-8"),
+        (b"\xff\xfe\0\xd8", "UTF-16", "save it as text in UTF-8"),
     ] {
         let error = read_text(start, &SCALE.into()).unwrap_err().to_string();
         assert!(error.contains(format), "{error}");
@@ -628,6 +817,40 @@ fn tiff_in_tiles_and_packed() {
     }
 }
 
+/// Pages of reduced resolution are skipped; of several others, none is chosen.
+#[test]
+fn tiff_of_several_pages() {
+    let heights = values(false);
+    let rows = heights.chunks(4).rev().flatten();
+    let pixels: Vec<u8> = rows
+        .flat_map(|height| (*height as f32).to_le_bytes())
+        .collect();
+    let blocks = [(273, 8), (279, pixels.len() as u32)];
+    let reduced = |kind| [&blocks[..], &[(254, kind)]].concat();
+    // The second directory is that of the first one, moved behind it.
+    let pages = |first: &[(u16, u32)], second: &[(u16, u32)]| {
+        let [mut file, other] =
+            [first, second].map(|fields| tiff_with(false, [32, 3, 1], &pixels, fields));
+        let end = file.len();
+        file[end - 4..].copy_from_slice(&(end as u32).to_le_bytes());
+        file.extend(&other[8 + pixels.len()..]);
+        file
+    };
+    for file in [pages(&blocks, &reduced(1)), pages(&reduced(1), &blocks)] {
+        check(&read_text(file, &SCALE.into()).unwrap());
+    }
+    let error = read_text(pages(&blocks, &reduced(2)), &SCALE.into()).unwrap_err();
+    assert!(
+        error.to_string().contains("it has 2 pages: save the page"),
+        "{error}"
+    );
+    // A directory that points to itself.
+    let mut endless = tiff(false, [32, 3, 1], &pixels);
+    let (start, end) = (8 + pixels.len() as u32, endless.len());
+    endless[end - 4..].copy_from_slice(&start.to_le_bytes());
+    assert!(read_text(endless, &SCALE.into()).is_err());
+}
+
 /// A TIFF image of 4 by 3 pixels in one strip, with bits, sample format and compression.
 fn tiff(big_endian: bool, kind: [u16; 3], data: &[u8]) -> Vec<u8> {
     tiff_with(
@@ -702,6 +925,19 @@ fn missing_points_are_counted_or_filled() {
     assert!((height - 11e-9).abs() < 1e-17, "{height}");
     let error = read_text(sdf(&"BAD ".repeat(12)), &filled).unwrap_err();
     assert!(matches!(error, HeightMapError::Empty { .. }), "{error}");
+    // More than half of the heights.
+    let error = read_text(
+        "1 nan\nnan nan\n",
+        &GivenScale {
+            fill_missing: true,
+            ..SCALE.into()
+        },
+    );
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.contains("3 of 4 heights are missing, more than half"),
+        "{error}"
+    );
     // A list of points that states its units, with one missing point.
     let point = |k: i32| format!("{} {} {}\n", f64::from(k % 15) * 0.5, k / 15, k % 15);
     let points: String = (0..150).filter(|k| *k != 31).map(point).collect();
@@ -834,6 +1070,9 @@ fn wrong_texts_are_named() {
             ..
         }
     ));
+    let usual = header.replace("nodata_value -9999\n", "");
+    let error = failure("usual.asc", format!("{usual}1 2\n-9999 3\n").as_bytes());
+    assert!(matches!(error, HeightMapError::NoData { line: 5, .. }));
     let error = failure("size.asc", format!("{header}1 2\n3 4\n5 6\n").as_bytes());
     assert!(matches!(
         error,

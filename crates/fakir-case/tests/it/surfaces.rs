@@ -274,6 +274,57 @@ fn absurd_heights_are_refused_with_the_unit_that_was_meant() {
     }
 }
 
+/// Numbers that programs write for missing points, and a unit of the file that cannot be.
+#[test]
+fn markers_of_missing_points_and_wrong_units_of_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.txt");
+    let refused = |text: &str, more: &str| {
+        std::fs::write(&path, text).unwrap();
+        let mut file = map(more);
+        file.set(&format!("surface.height_map={}", path.display()))
+            .unwrap();
+        let case = file.surface_case(MEMORY).unwrap();
+        let error = file.refuse_absurd_heights(&case).err()?;
+        Some((
+            error.problem().to_owned(),
+            error.what_is_accepted()?.to_owned(),
+        ))
+    };
+    let given = "cell_size = \"1 um\"\nheight_unit = \"1 nm\"";
+    for (marker, shown) in [
+        ("-9999", "-9999"),
+        ("-32768", "-32768"),
+        ("1.70141E+38", "1.7014e38"),
+    ] {
+        let (problem, _) = refused(&format!("1 2 {marker}\n3 4 {marker}\n"), given).unwrap();
+        let expected = format!("the number {shown} is in the file in several points");
+        assert!(problem.starts_with(&expected), "{problem}");
+    }
+    // Two heights alone, and heights down to such a number.
+    assert_eq!(
+        refused(
+            "0 9999\n0 9999\n",
+            "cell_size = \"10 um\"\nheight_unit = \"1 nm\""
+        ),
+        None
+    );
+    assert_eq!(
+        refused(
+            "-9999 -8000\n-5000 0\n",
+            "cell_size = \"10 um\"\nheight_unit = \"1 nm\""
+        ),
+        None
+    );
+    let heading = "# Width: 8 um\n# Height: 6 um\n# Value units: m\n";
+    let (problem, accepted) = refused(&format!("{heading}1 2\n3 4\n"), "").unwrap();
+    assert!(problem.starts_with("heights differ by 3 m"), "{problem}");
+    assert!(
+        accepted.contains("the file states this unit, which looks wrong"),
+        "{accepted}"
+    );
+}
+
 /// A size that the file states need not be given, and one that contradicts it is refused at its key.
 #[test]
 fn a_height_map_may_state_its_size() {

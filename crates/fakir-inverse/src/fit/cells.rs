@@ -1,6 +1,9 @@
 //! Cells of tables: their separators, and the notations of numbers.
 
-pub(super) use fakir_case::notation::{Doubt, Evidence, Marks, Notation, is_number, number};
+use fakir_case::notation::is_formula_error;
+pub(super) use fakir_case::notation::{
+    Doubt, Evidence, Marks, Notation, is_not_measured, is_number, number,
+};
 pub(super) use fakir_case::table_text::{SEPARATORS, cells};
 
 /// Stands for any number of blanks between columns.
@@ -22,33 +25,6 @@ pub(super) fn is_comment(line: &str, separator: char, columns: usize) -> bool {
         && line.trim_start().starts_with(';')
         && cells(line, separator).len() == columns;
     comment(line).is_some() && !is_row
-}
-
-/// Texts of cells that stand for a value that was not measured, in lower case.
-const NOT_MEASURED: [&str; 12] = [
-    "", "na", "n/a", "-", "--", "---", "bad", "null", "none", "*", "?", "missing",
-];
-
-/// Texts of numbers that are none, without their sign, as the libraries of C write them.
-const NO_NUMBERS: [&str; 5] = ["nan", "nan(ind)", "nan(snan)", "1.#ind", "1.#qnan"];
-
-/// Errors of formulas in spreadsheets, in English and German.
-const FORMULA_ERRORS: [&str; 11] = [
-    "#N/A", "#DIV/0!", "#VALUE!", "#REF!", "#NAME?", "#NUM!", "#NULL!", "#NV", "#WERT!", "#BEZUG!",
-    "#ZAHL!",
-];
-
-/// Whether a cell stands for a value that was not measured.
-pub(super) fn is_not_measured(text: &str) -> bool {
-    let lower = text.trim().to_lowercase();
-    let unsigned = lower.strip_prefix(['-', '+']).unwrap_or(&lower);
-    NOT_MEASURED.contains(&&lower[..]) || NO_NUMBERS.contains(&unsigned) || is_formula_error(&lower)
-}
-
-/// Whether a text is an error of a formula.
-fn is_formula_error(text: &str) -> bool {
-    let mut errors = FORMULA_ERRORS.iter();
-    errors.any(|error| error.eq_ignore_ascii_case(text))
 }
 
 #[cfg(test)]
