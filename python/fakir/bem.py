@@ -154,7 +154,6 @@ class Surface(Viscoelastic):
             values, cell = _of_topography(heights)
         else:
             values, cell = _of_array(heights, cell_size, width)
-        _check_relief(values, cell)
         rows, columns = values.shape
         centre = [finite(place, "length", "axis") for place in axis]
         origin = [-0.5 * columns * cell[0] - centre[0], -0.5 * rows * cell[1] - centre[1]]
@@ -552,19 +551,6 @@ def _checked(contact: SurfaceContact) -> SurfaceContact:
     if not contact.converged:
         raise NotConverged(f"the solution {contact.termination}", contact)
     return contact
-
-
-def _check_relief(heights: FloatArray, cell: list[float]) -> None:
-    """Refuses heights that are implausible on their map, by the rule of case files: they are probably in another unit."""
-    lowest, highest = 1e-12, 2.0
-    rows, columns = heights.shape
-    extent = max(columns * cell[0], rows * cell[1])
-    relief = float(np.ptp(heights))
-    if relief != 0.0 and not lowest <= relief <= highest * extent:
-        raise ValueError(
-            f"heights differ by {engineering(relief, 'm')} on a map of {engineering(extent, 'm')}: give them in metres, as 1e-9 * heights "
-            "if they are in nm"
-        )
 
 
 def _unit_of_attributes(heights: object) -> float:

@@ -28,7 +28,7 @@ def test_surfaces_of_case_files_are_sent_to_other_processes():
 def test_units_of_heights():
     heights = np.random.default_rng(1).normal(0.0, 50.0, (16, 16))
     bodies = fakir.Lens("2 mm", "2 MPa", 0.5), fakir.Substrate("2 MPa", 0.5)
-    with pytest.raises(ValueError, match="heights differ by .* on a map of 16 µm: give them in metres"):
+    with pytest.raises(ValueError, match="heights differ by .* on a map of 16 um: give them in metres"):
         Surface(heights, *bodies, cell_size="1 um")
 
     class Topography:

@@ -469,9 +469,6 @@ impl CaseFile {
             return Ok(());
         };
         let surface = case.system.surface();
-        let (grid, range) = (surface.grid(), surface.highest() - surface.lowest());
-        let [width, height] = grid.cell();
-        let extent = (width * grid.columns() as f64).max(height * grid.rows() as f64);
         let unit = match (self.given(Key::HeightUnit)?, case.stated_unit) {
             (Some(unit), _) => unit.abs(),
             (None, stated) => stated.unwrap_or(1.0),
@@ -489,9 +486,9 @@ impl CaseFile {
                 .problem(Key::HeightMap, problem)
                 .accepted("replace it by NaN in the file"));
         }
-        if range == 0.0 || (LOWEST_RELIEF..=HIGHEST_RELIEF * extent).contains(&range) {
+        let Some([range, extent]) = implausible_relief(surface) else {
             return Ok(());
-        }
+        };
         let is_usual = |unit_meant: &&str| {
             let meant = parse_quantity(&format!("1 {unit_meant}"), Dimension::Length);
             let relief = meant.map_or(f64::NAN, |meant| range / unit * meant);
@@ -690,6 +687,16 @@ impl CaseFile {
         keys.map(|key| (*key, key.written(&key.get(&mut parts))))
             .collect()
     }
+}
+
+/// The height difference and the extent of a map, m, if this difference is implausible, which indicates another unit.
+#[must_use]
+pub fn implausible_relief(map: &HeightMap) -> Option<[f64; 2]> {
+    let (grid, range) = (map.grid(), map.highest() - map.lowest());
+    let [width, height] = grid.cell();
+    let extent = (width * grid.columns() as f64).max(height * grid.rows() as f64);
+    let is_usual = (LOWEST_RELIEF..=HIGHEST_RELIEF * extent).contains(&range);
+    (range != 0.0 && !is_usual).then_some([range, extent])
 }
 
 /// The number that programs write for a missing point and how many heights (m) have it, if these are far from the others.

@@ -12,7 +12,8 @@ use fakir::problem::{
     SurfaceSystem,
 };
 use fakir::state::Run;
-use fakir_case::{CaseFile, SurfaceCase};
+use fakir_case::unit::{Dimension, format_quantity};
+use fakir_case::{CaseFile, SurfaceCase, implausible_relief};
 use fakir_study::record::SurfaceAnswer;
 use fakir_study::result::{self, SurfaceVerifySummary, json};
 use fakir_study::surfaces::{self, SurfaceVerifyError};
@@ -54,6 +55,12 @@ impl Surface {
         let (rows, columns) = (heights.shape()[0], heights.shape()[1]);
         let grid = Grid::new(columns, rows, cell, origin).map_err(value_error)?;
         let map = HeightMap::new(grid, heights.as_slice()?.to_vec()).map_err(value_error)?;
+        if let Some(lengths) = implausible_relief(&map) {
+            let [range, extent] = lengths.map(|length| format_quantity(length, Dimension::Length));
+            return Err(value_error(format!(
+                "heights differ by {range} on a map of {extent}: give them in metres, as 1e-9 * heights if they are in nm"
+            )));
+        }
         let material = |[modulus, ratio]: [f64; 2]| Material::new(modulus, ratio);
         let bodies = match lens {
             Some((numbers, words)) => {
