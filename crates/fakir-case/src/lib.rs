@@ -138,6 +138,4 @@ pub use schema::schema;
 pub use solve_error::with_keys;
 pub use study::{Study, StudyFile};
 pub use support::{SurfaceKind, support};
-pub use surface::{
-    SurfaceBodies, SurfaceCase, SurfaceExample, SurfaceOrigin, implausible_relief,
-};
+pub use surface::{SurfaceBodies, SurfaceCase, SurfaceExample, SurfaceOrigin, implausible_relief};
