@@ -2,7 +2,7 @@
 
 use crate::notation::{Doubt, Evidence, Marks, Notation, is_number, number};
 use crate::table_text::{cells, is_statistic, read_table, text_of};
-use crate::unit::{Dimension, parse_quantity};
+use crate::unit::{Dimension, parse_quantity, symbol_of};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -458,7 +458,7 @@ impl<const N: usize> Columns<N> {
             let new = Place {
                 place,
                 form: meaning.form,
-                unit: symbol(length).to_owned(),
+                unit: symbol_of(length).to_owned(),
             };
             if is_beside {
                 radius = Some((meaning.column, new));
@@ -532,17 +532,7 @@ fn notation<const N: usize>(
 }
 
 pub(crate) fn length_unit(unit: &str) -> Option<f64> {
-    parse_quantity(&format!("1 {}", symbol(unit)), Dimension::Length).ok()
-}
-
-/// The symbol of a unit that is written as a word; other units as they are.
-fn symbol(unit: &str) -> &str {
-    match &unit.to_lowercase()[..] {
-        "micron" | "microns" | "micrometer" | "micrometers" | "micrometre" | "micrometres" => "um",
-        "nanometer" | "nanometers" | "nanometre" | "nanometres" => "nm",
-        "millimeter" | "millimeters" | "millimetre" | "millimetres" => "mm",
-        _ => unit,
-    }
+    parse_quantity(&format!("1 {}", symbol_of(unit)), Dimension::Length).ok()
 }
 
 /// Text without brackets around all of it.

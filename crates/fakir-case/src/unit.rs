@@ -94,6 +94,34 @@ const FURTHER_UNITS: [Unit; 18] = [
     unit("bar", Dimension::Pressure, Scale::Factor(1e5)),
 ];
 
+/// Names of units in small letters, as tables of instruments write them, and their symbols. Masses stand for their weights.
+const WORDS: [(&str, &str); 24] = [
+    ("micron", "um"),
+    ("micrometer", "um"),
+    ("micrometre", "um"),
+    ("nanometer", "nm"),
+    ("nanometre", "nm"),
+    ("millimeter", "mm"),
+    ("millimetre", "mm"),
+    ("meter", "m"),
+    ("metre", "m"),
+    ("inch", "in"),
+    ("inche", "in"),
+    ("mil", "mil"),
+    ("newton", "N"),
+    ("kilonewton", "kN"),
+    ("millinewton", "mN"),
+    ("micronewton", "uN"),
+    ("dyne", "dyn"),
+    ("gram", "gf"),
+    ("kilogram", "kgf"),
+    ("pound", "lbf"),
+    ("ounce", "ozf"),
+    ("kgf", "kgf"),
+    ("lbf", "lbf"),
+    ("ozf", "ozf"),
+];
+
 const UNITS: [Unit; 34] = [
     unit("m", Dimension::Length, Scale::PowerOfTen(0)),
     unit("mm", Dimension::Length, Scale::PowerOfTen(-3)),
@@ -609,6 +637,15 @@ fn plain(value: f64, power: i32) -> String {
         format!("{whole}.{fraction}")
     };
     format!("{sign}{text}")
+}
+
+/// The symbol of a unit that is written as a word in any letters, as `Microns`; other units as they are.
+#[must_use]
+pub fn symbol_of(unit: &str) -> &str {
+    let lower = unit.to_lowercase();
+    let singular = lower.strip_suffix('s').unwrap_or(&lower);
+    let word = WORDS.iter().find(|(word, _)| *word == singular);
+    word.map_or(unit, |(_, symbol)| symbol)
 }
 
 #[cfg(test)]

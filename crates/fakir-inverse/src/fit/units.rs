@@ -1,7 +1,7 @@
 //! Units of columns: their conversion to SI units, and sensitivities of sensors (`25 nN/V`).
 
 use super::column::Column;
-use fakir_case::unit::{Dimension, QuantityError, parse_quantity};
+use fakir_case::unit::{Dimension, QuantityError, parse_quantity, symbol_of};
 
 /// Names of units in files of instruments, and the units of case files for which they stand. Masses stand for their weights.
 const OTHER_NAMES: [(&str, &str); 12] = [
@@ -17,34 +17,6 @@ const OTHER_NAMES: [(&str, &str); 12] = [
     ("lbs", "lbf"),
     ("Lbs", "lbf"),
     ("oz", "ozf"),
-];
-
-/// The same in small letters, for names in any letters.
-const WORDS: [(&str, &str); 24] = [
-    ("micron", "um"),
-    ("micrometer", "um"),
-    ("micrometre", "um"),
-    ("nanometer", "nm"),
-    ("nanometre", "nm"),
-    ("millimeter", "mm"),
-    ("millimetre", "mm"),
-    ("meter", "m"),
-    ("metre", "m"),
-    ("inch", "in"),
-    ("inche", "in"),
-    ("mil", "mil"),
-    ("newton", "N"),
-    ("kilonewton", "kN"),
-    ("millinewton", "mN"),
-    ("micronewton", "uN"),
-    ("dyne", "dyn"),
-    ("gram", "gf"),
-    ("kilogram", "kgf"),
-    ("pound", "lbf"),
-    ("ounce", "ozf"),
-    ("kgf", "kgf"),
-    ("lbf", "lbf"),
-    ("ozf", "ozf"),
 ];
 
 /// Units of time.
@@ -65,17 +37,8 @@ const VOLTS: [(&str, f64); 3] = [("V", 1.0), ("mV", 1e-3), ("uV", 1e-6)];
 
 /// The unit of case files that is meant.
 fn usual_name(unit: &str) -> &str {
-    let of = |names: &'static [(&str, &'static str)], unit: &str| {
-        let mut names = names.iter();
-        names
-            .find(|(name, _)| *name == unit)
-            .map(|(_, usual)| *usual)
-    };
-    let lower = unit.to_lowercase();
-    let singular = lower.strip_suffix('s').unwrap_or(&lower);
-    of(&OTHER_NAMES, unit)
-        .or_else(|| of(&WORDS, singular))
-        .unwrap_or(unit)
+    let other = OTHER_NAMES.iter().find(|(name, _)| *name == unit);
+    other.map_or_else(|| symbol_of(unit), |(_, usual)| usual)
 }
 
 /// Conversion of the numbers of a column to SI units.
