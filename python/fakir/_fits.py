@@ -366,11 +366,12 @@ def fit_many(
     owns: list[_Case | None] = [None] * len(pairs)
     if len(systems) > 1:
         owns = [case_of(one) for one in systems]
+    has_pauses = is_viscoelastic(systems[0], free)
     for (name, measurements), own in zip(pairs, owns, strict=True):
         try:
             raw, data, instrument = prepared(
                 measurements,
-                has_pauses=is_viscoelastic(systems[0], free),
+                has_pauses=has_pauses,
                 columns=columns,
                 spring_constant=spring_constant,
                 rows=rows,

@@ -165,17 +165,17 @@ impl Reader<'_> {
             *has_text |= !words[place].is_empty();
         }
         // Numbers of old libraries of C that are none have a point too: `1.#QNAN`.
-        let mut numbers = (0..).zip(&words).filter(|(_, word)| !word.contains('#'));
+        let numbers = (0..).zip(&words);
+        let numbers = numbers.filter(|(_, word)| !word.contains('#'));
         if self.point.is_none() && numbers.clone().any(|(_, word)| word.contains('.')) {
             self.point = Some(line);
         }
         if !self.evidence.is_decided() {
-            numbers.try_for_each(|(column, word): (usize, _)| {
+            for (column, word) in numbers {
                 self.evidence.add(word);
-                let of_list = if self.columns == 3 { column } else { 0 };
+                let of_list: usize = if self.columns == 3 { column } else { 0 };
                 self.marks[of_list].add(line as u64, word);
-                Some(())
-            });
+            }
         }
         for (column, word) in (1..).zip(words) {
             let height = self.height(line, column, word)?;

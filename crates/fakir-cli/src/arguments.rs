@@ -1197,19 +1197,22 @@ impl Fit {
     }
 
     /// Whether the bodies are viscoelastic, so that the rows of pauses are data too.
-    fn has_relaxation(&self) -> Result<bool, Failure> {
-        let case = case_file(&self.case[0], &self.set)?;
+    fn has_relaxation(&self, case: &CaseFile) -> Result<bool, Failure> {
         let is_free = self.free.iter().any(|free| free.is_of_relaxation());
         Ok(is_free || case.relaxation()?.is_some())
     }
 
-    /// The data of a file, with the errors given as arguments where the file has none.
-    pub(crate) fn measurements(&self, path: &Path) -> Result<Measurements, Failure> {
+    /// The data of a file for its case, with the errors given as arguments where the file has none.
+    pub(crate) fn measurements(
+        &self,
+        path: &Path,
+        case: &CaseFile,
+    ) -> Result<Measurements, Failure> {
         let hints = Hints {
             named: self.columns.clone(),
             spring_constant: self.spring_constant,
             last_row: self.rows.and_then(|rows| rows.0[1]),
-            has_pauses: self.has_relaxation()?,
+            has_pauses: self.has_relaxation(case)?,
         };
         let mut data = Measurements::read_with(path, &hints)?;
         let dimension = data.load_dimension();

@@ -136,15 +136,15 @@ fn design(command: &Command, options: &arguments::Design) -> Result<Status, Fail
 fn fit(command: &Command, options: &arguments::Fit) -> Result<Status, Failure> {
     let case = options.case();
     let session = case.session(&options.run)?;
-    // The data are read before the case, and the folder is checked before the computation.
+    // The data are read and the folder is checked before the computation.
+    let file = read_case(&case)?;
     let one = match &options.data[..] {
         [path] if !options.joint => {
             options.cases()?;
-            Some(options.measurements(path)?)
+            Some(options.measurements(path, &file)?)
         }
         _ => None,
     };
-    let file = read_case(&case)?;
     if let Some(folder) = &case.output {
         fakir_study::results::check_folder(folder, case.replace())?;
     }

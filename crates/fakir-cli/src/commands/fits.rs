@@ -31,7 +31,7 @@ pub(crate) fn run(
     session: &Session,
 ) -> Result<Fitted, Failure> {
     let start = Instant::now();
-    let curves = read(options)?;
+    let curves = read(file, options)?;
     let surfaces = surfaces(&curves)?;
     // The case is checked before the first curve: an error of it is reported once.
     let method = method_name(file)?;
@@ -75,7 +75,7 @@ pub(crate) fn joint(
     session: &Session,
 ) -> Result<Fitted, Failure> {
     let start = Instant::now();
-    let curves = read(options)?;
+    let curves = read(file, options)?;
     let surfaces = surfaces(&curves)?;
     let method = method_name(file)?;
     let shared = options.shared();
@@ -132,7 +132,7 @@ fn surfaces(curves: &[MeasuredCurve]) -> Result<Option<String>, Failure> {
 }
 
 /// The data of all files, or why they cannot be read.
-fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
+fn read(file: &CaseFile, options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
     for (number, path) in options.data.iter().enumerate() {
         if options.data[..number].contains(path) {
             let path = path.display();
@@ -143,7 +143,8 @@ fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
     }
     let cases = options.cases()?;
     let one = |(number, path): (usize, &PathBuf)| {
-        let data = match options.measurements(path) {
+        let case = cases.get(number);
+        let data = match options.measurements(path, case.unwrap_or(file)) {
             Ok(data) => {
                 let known = options.known(&data);
                 Ok((data, known))
@@ -154,7 +155,7 @@ fn read(options: &Options) -> Result<Vec<MeasuredCurve>, Failure> {
         Ok(MeasuredCurve {
             name: path.display().to_string(),
             data,
-            case: cases.get(number).cloned(),
+            case: case.cloned(),
         })
     };
     options.data.iter().enumerate().map(one).collect()

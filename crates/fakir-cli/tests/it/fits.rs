@@ -1,6 +1,6 @@
 //! `fakir fit` from the command line.
 
-use crate::common::{Bench, example, keys};
+use crate::common::{Bench, Outcome, example, keys};
 use serde_json::Value;
 
 /// The example of the manual, with a fast method: the values agree with the spectral method to a standard error.
@@ -16,6 +16,31 @@ fn arguments<'a>(data: &'a str, case: &'a str) -> Vec<&'a str> {
         "method.name=punch",
         "--quiet",
     ]
+}
+
+/// The case is read once, whatever the number of files.
+#[test]
+fn the_case_may_be_standard_input() {
+    let bench = Bench::new();
+    let (data, case) = (example("fit/loading.csv"), example("fit/case.toml"));
+    let other = example("fit/tester.csv");
+    for others in [&[][..], &[&other[..]]] {
+        let mut arguments = arguments(&data, "-");
+        arguments.extend(others);
+        let case = std::fs::File::open(&case).unwrap();
+        let outcome = bench.command(&arguments).stdin(case).output().unwrap();
+        let outcome = Outcome::of(&outcome);
+        assert!(
+            !outcome.stderr.contains("standard input"),
+            "{}",
+            outcome.stderr
+        );
+        assert!(
+            outcome.stdout.contains("substrate.young_modulus"),
+            "{}",
+            outcome.stderr
+        );
+    }
 }
 
 #[test]
