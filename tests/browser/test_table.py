@@ -72,6 +72,29 @@ def test_heights_and_diameters_of_a_table_are_used(explore, tmp_path):
     assert "not part of a link" in again.text("pattern-lattice-note")
 
 
+def test_columns_of_a_table_are_named(explore, tmp_path):
+    """A table in pixels, with columns of another program, has the numbers of the same table in micrometres."""
+    plain = explore("#" + "&".join(paper(0.01)))
+    dropped(plain, "sample.csv", square(30, 7))
+    plain.until("location.hash.includes('sample.csv')")
+    plain.rest()
+    table = tmp_path / "spots.csv"
+    _, *rows = square(60, 7).split()
+    table.write_text("\n".join(["row,column,QUALITY", *(f"{row.split(',')[1]},{row.split(',')[0]},0.9" for row in rows)]))
+    page = explore("#" + "&".join(paper(0.01)))
+    page.page.set_input_files("#table-file", str(table))
+    page.until("document.getElementById('problem').textContent.includes('pillar_columns')")
+    page.enter("pattern.pillar_columns", "x = column, y = row")
+    page.enter("pattern.pillar_unit", "0.5 um")
+    page.rest()
+    assert page.page.locator("#problem").is_hidden()
+    assert page.results() == plain.results()
+    assert 'pillar_columns = "x = column, y = row"' in page.text("case-file")
+    page.page.select_option("#pattern-lattice", "hexagonal")
+    page.rest()
+    assert page.page.locator("#pattern-pillar_columns").is_hidden()
+
+
 @pytest.mark.parametrize(
     "name, text, words",
     [

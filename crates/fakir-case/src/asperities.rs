@@ -168,7 +168,7 @@ impl AsperityCase {
     pub fn to_toml_with_table(&self, name: &str) -> String {
         write_toml(|key| match key {
             Key::Pillars => Some(toml::Value::from(name).to_string()),
-            Key::Lattice | Key::AxisX | Key::AxisY => None,
+            Key::Lattice | Key::AxisX | Key::AxisY | Key::PillarColumns | Key::PillarUnit => None,
             _ => {
                 let of_lattice = key.goes_with().is_some_and(|(choice, words)| {
                     choice == Key::Lattice && !words.contains(&"listed")

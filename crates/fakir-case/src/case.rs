@@ -36,6 +36,9 @@ pub struct Case {
 pub(crate) struct PillarsOrigin {
     /// File, if any.
     pub(crate) path: Option<PathBuf>,
+    /// Its columns and their unit, m, as the case names them.
+    pub(crate) columns: String,
+    pub(crate) unit: Option<f64>,
     /// Position of the lens axis in its coordinates, m.
     pub(crate) axis: Point,
 }
@@ -161,6 +164,8 @@ impl Case {
             (parts.pattern.name, &self.pillars)
         {
             parts.pattern.pillars = text(&origin.path);
+            parts.pattern.pillar_columns.clone_from(&origin.columns);
+            parts.pattern.pillar_unit = origin.unit.unwrap_or(f64::NAN);
             parts.pattern.axis = origin.axis;
         }
         parts

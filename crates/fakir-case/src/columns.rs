@@ -21,6 +21,14 @@ pub(crate) enum TableError {
         /// Description of the error.
         error: std::io::Error,
     },
+    /// The unit after the name of a file.
+    #[error("{path}: \"{unit}\" is no unit of length")]
+    Unit {
+        /// The file.
+        path: String,
+        /// The unit.
+        unit: String,
+    },
     /// A line that is not a row of the table.
     #[error("{path}, line {line}: {problem}")]
     Line {
@@ -123,6 +131,53 @@ const IGNORED: [&str; 44] = [
 /// Difference of a diameter and twice a radius, over this, from which they contradict each other: both may be rounded.
 const CONTRADICTION: f64 = 0.02;
 
+/// What a case says about a table.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Given {
+    /// The columns that are used, if the case names them; all others are then left out.
+    pub(crate) columns: Vec<Chosen>,
+    /// The unit of columns without one.
+    pub(crate) unit: Option<Unit>,
+}
+
+/// A column that a case names.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Chosen {
+    column: usize,
+    form: Form,
+    /// Its heading, or its number from 1.
+    heading: String,
+}
+
+/// A unit of length, or a length that is one, as the size of a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Unit {
+    number: f64,
+    symbol: String,
+}
+
+impl Unit {
+    /// A length in metres.
+    pub(crate) fn metres(number: f64) -> Self {
+        Self {
+            number,
+            symbol: "m".to_owned(),
+        }
+    }
+
+    /// The unit of a text, `um` or `0.325 um`; `None` if it is no length greater than 0.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        if length_unit(text).is_some() {
+            return Some(Self {
+                number: 1.0,
+                symbol: symbol_of(text).to_owned(),
+            });
+        }
+        let length = parse_quantity(text, Dimension::Length).ok()?;
+        (length > 0.0 && length.is_finite()).then(|| Self::metres(length))
+    }
+}
+
 /// Columns of a table, and that of a radius beside the diameter, with the column of the diameter.
 type Places<const N: usize> = ([Option<Place>; N], Option<(usize, Place)>);
 
@@ -150,17 +205,29 @@ struct Meaning {
 struct Place {
     place: usize,
     form: Form,
-    unit: String,
+    unit: Unit,
+}
+
+/// The names of the columns of a table.
+struct Headings {
+    /// The line below them, from 0.
+    first: usize,
+    separator: char,
+    texts: Vec<String>,
+    /// The interpretation of each.
+    meanings: Vec<Option<Meaning>>,
+    /// Whether the case names the columns that are used.
+    are_chosen: bool,
 }
 
 impl<const N: usize> Columns<N> {
     /// Reads a file: values under a line with the names of the columns and their units, in any order, separated by commas, semicolons, tabs or
-    /// blanks; text, `.gz` or `.xlsx`. Lines that begin with `#` are left out, unless they contain the names. `unit` is that of columns without one. A
-    /// missing column, and an empty cell of a column that is not required, have the value of `otherwise`.
+    /// blanks; text, `.gz` or `.xlsx`. Lines that begin with `#` are left out, unless they contain the names. A missing column, and an empty cell of a
+    /// column that is not required, have the value of `otherwise`.
     pub(crate) fn read(
         &self,
         path: &Path,
-        unit: Option<&str>,
+        given: &Given,
         otherwise: [f64; N],
     ) -> Result<Table<N>, TableError> {
         let name = path.display().to_string();
@@ -168,7 +235,7 @@ impl<const N: usize> Columns<N> {
             path: name.clone(),
             error,
         })?;
-        self.parse(&name, &bytes, unit, otherwise)
+        self.parse(&name, &bytes, given, otherwise)
     }
 
     /// [`read`](Self::read) from the contents of a file; `name` is its name in errors.
@@ -176,7 +243,7 @@ impl<const N: usize> Columns<N> {
         &self,
         name: &str,
         bytes: &[u8],
-        unit: Option<&str>,
+        given: &Given,
         otherwise: [f64; N],
     ) -> Result<Table<N>, TableError> {
         let wrong = |line: usize, problem: String| TableError::Line {
@@ -187,25 +254,29 @@ impl<const N: usize> Columns<N> {
         let text = text_of(bytes)
             .ok_or_else(|| wrong(0, format!("the file is no text; {}", self.accepted)))?;
         let lines: Vec<&str> = text.lines().collect();
-        let (heading_line, separator, headings) = self.heading(&lines);
-        let below = lines.iter().enumerate().skip(heading_line + 1);
-        let mut rows_below = below.filter(|(_, line)| is_row(line)).peekable();
-        let units = rows_below
-            .peek()
-            .map_or(Vec::new(), |(_, line)| cells(line, separator));
-        let is_unit = |text: &String| length_unit(without_brackets(text)).is_some();
-        let has_units = units.iter().any(is_unit) && !units.iter().any(|cell| is_number(cell));
-        if has_units {
-            rows_below.next();
+        let headings = match given.columns.is_empty() {
+            true => self.headings(&lines),
+            false => {
+                chosen_headings(&lines, &given.columns).map_err(|problem| wrong(0, problem))?
+            }
+        };
+        let (first, separator) = (headings.first, headings.separator);
+        let below = lines.iter().enumerate().skip(first);
+        let mut rows_below = below.filter(|(_, line)| is_row(line));
+        let units = units_below(rows_below.clone(), separator);
+        if let Some((skipped, _)) = &units {
+            rows_below.nth(*skipped);
         }
-        let units = if has_units { &units[..] } else { &[] };
+        let units = units.map_or(Vec::new(), |(_, units)| units);
+        let heading_line = first.saturating_sub(1);
         let (places, radius) = self
-            .places(&headings, units, unit)
+            .places(&headings, &units, given.unit.as_ref())
             .map_err(|problem| wrong(heading_line, problem))?;
         let numbers = rows_below.clone();
         let numbers = numbers.map(|(index, line)| (index, cells(line, separator)));
         let notation = notation(&places, numbers, separator)
             .map_err(|(line, problem)| wrong(line, problem))?;
+        let headings = headings.texts;
         let (mut rows, mut row_lines) = (Vec::new(), Vec::new());
         for (index, line) in rows_below {
             let mut row = cells(line, separator);
@@ -239,9 +310,10 @@ impl<const N: usize> Columns<N> {
                     continue;
                 }
                 values[column] = place.value(text, notation).ok_or_else(|| {
-                    let unit = match &place.unit[..] {
-                        "m" => "of metres".to_owned(),
-                        unit => format!("in {unit}"),
+                    let unit = match (&place.unit.symbol[..], place.unit.number) {
+                        ("m", 1.0) => "of metres".to_owned(),
+                        (unit, 1.0) => format!("in {unit}"),
+                        (unit, number) => format!("in units of {number} {unit}"),
                     };
                     let name = self.names[column];
                     wrong(
@@ -273,20 +345,65 @@ impl<const N: usize> Columns<N> {
     pub(crate) fn named(&self, bytes: &[u8]) -> [bool; N] {
         let text = text_of(bytes).unwrap_or_default();
         let lines: Vec<&str> = text.lines().collect();
-        let (_, _, headings) = self.heading(&lines);
         let mut named = [false; N];
-        for meaning in headings.iter().filter_map(|heading| self.meaning(heading)) {
+        for meaning in self.headings(&lines).meanings.iter().flatten() {
             named[meaning.column] = true;
         }
         named
     }
 
-    /// Line of the headings, from 0, the separator of the columns, and the headings: the first line that is no comment, or a comment before
-    /// it if it contains numbers.
-    fn heading(&self, lines: &[&str]) -> (usize, char, Vec<String>) {
+    /// The columns that a case names: `"x = POSITION_X, y = 4, diameter = RADIUS"`, each by its heading or its number.
+    ///
+    /// # Errors
+    /// A description of what is wrong with the text.
+    pub(crate) fn chosen(&self, text: &str) -> Result<Vec<Chosen>, String> {
+        let mut chosen: Vec<Chosen> = Vec::new();
+        for part in text
+            .split([',', ';'])
+            .filter(|part| !part.trim().is_empty())
+        {
+            let wrong = || format!("\"{}\" names no column", part.trim());
+            let (name, heading) = part.split_once('=').ok_or_else(wrong)?;
+            let (name, heading) = (name.trim(), heading.trim().trim_matches(['"', '\'']));
+            let Some(Meaning {
+                column,
+                form,
+                unit: None,
+            }) = self.meaning(name)
+            else {
+                return Err(format!("there is no quantity \"{name}\""));
+            };
+            if heading.is_empty() {
+                return Err(wrong());
+            }
+            if chosen.iter().any(|other| other.column == column) {
+                return Err(format!("\"{name}\" is given twice"));
+            }
+            if let Some(other) = chosen.iter().find(|other| other.heading == heading) {
+                let other = self.names[other.column].trim_end_matches("_m");
+                return Err(format!("{other} and {name} are the same column"));
+            }
+            chosen.push(Chosen {
+                column,
+                form,
+                heading: heading.to_owned(),
+            });
+        }
+        let has = |column: usize| chosen.iter().any(|chosen| chosen.column == column);
+        match (0..self.required).find(|column| !has(*column)) {
+            Some(column) => Err(format!(
+                "the column of {} is missing",
+                self.names[column].trim_end_matches("_m")
+            )),
+            None => Ok(chosen),
+        }
+    }
+
+    /// The headings of a table: the first line that is no comment, or a comment before it if it contains numbers.
+    fn headings(&self, lines: &[&str]) -> Headings {
         let first = lines.iter().position(is_row);
         let of_line = |text: &str| {
-            let separators = [',', ';', '\t', ' '].into_iter();
+            let separators = SEPARATORS_OF_NAMES.into_iter();
             let split = separators.map(|separator| {
                 let headings = self.with_positions(cells(text, separator));
                 let known = headings
@@ -298,26 +415,42 @@ impl<const N: usize> Columns<N> {
                 if next.0 > best.0 { next } else { best }
             })
         };
+        let found = |line: usize, separator: char, texts: Vec<String>| Headings {
+            first: line + 1,
+            separator,
+            meanings: self.meanings(&texts),
+            texts,
+            are_chosen: false,
+        };
         let Some(first) = first else {
-            return (0, ',', Vec::new());
+            return found(0, ',', Vec::new());
         };
         let (known, separator, headings) = of_line(lines[first]);
         if known == 0 {
             let comments = lines[..first].iter().enumerate().rev();
-            let found = comments.map(|(index, line)| {
-                let text = line.trim_start().trim_start_matches('#');
-                (index, of_line(text))
-            });
-            let mut found = found.filter(|(_, (known, _, _))| *known >= self.required);
-            if let Some((index, (_, of_names, headings))) = found.next() {
+            let of_comments = comments.map(|(index, line)| (index, of_line(of_comment(line))));
+            let mut of_comments = of_comments.filter(|(_, (known, _, _))| *known >= self.required);
+            if let Some((index, (_, of_names, headings))) = of_comments.next() {
                 // The names may have another separator than the numbers below.
                 let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
                 let mut fitting = separators
                     .filter(|separator| cells(lines[first], *separator).len() == headings.len());
-                return (index, fitting.next().unwrap_or(of_names), headings);
+                return found(index, fitting.next().unwrap_or(of_names), headings);
             }
         }
-        (first, separator, headings)
+        found(first, separator, headings)
+    }
+
+    /// The interpretation of headings. In tables of ImageJ, width and height are those of a box around each particle.
+    fn meanings(&self, headings: &[String]) -> Vec<Option<Meaning>> {
+        let has_box = has_box(headings);
+        let meanings = headings
+            .iter()
+            .map(|heading| match has_box && heading == "Height" {
+                true => None,
+                false => self.meaning(heading),
+            });
+        meanings.collect()
     }
 
     /// The headings with the centres of mass of ImageJ as the positions, if it wrote no others.
@@ -361,6 +494,10 @@ impl<const N: usize> Columns<N> {
                     "centre",
                     "coordinate",
                     "top",
+                    "centroid",
+                    "location",
+                    "areashape",
+                    "mass",
                     "stage",
                     "of",
                     "the",
@@ -391,34 +528,30 @@ impl<const N: usize> Columns<N> {
     /// Places of the columns.
     fn places(
         &self,
-        headings: &[String],
+        headings: &Headings,
         units: &[String],
-        default: Option<&str>,
+        default: Option<&Unit>,
     ) -> Result<Places<N>, String> {
         let Self {
             names,
             required,
             accepted,
         } = self;
-        // In tables of ImageJ, width and height are those of a box around each particle.
-        let has = |name: &&str| headings.iter().any(|heading| heading == name);
-        let has_box = has(&"BX") || ["X", "Y", "Area", "Width", "Height"].iter().all(has);
+        let has_box = has_box(&headings.texts);
         let mut places: [Option<Place>; N] = [const { None }; N];
         let mut radius = None;
-        let meanings = headings
-            .iter()
-            .map(|heading| match has_box && heading == "Height" {
-                true => None,
-                false => self.meaning(heading),
-            });
-        let meanings: Vec<Option<Meaning>> = meanings.collect();
-        for (place, (heading, meaning)) in headings.iter().zip(&meanings).enumerate() {
+        let meanings = &headings.meanings;
+        for (place, (heading, meaning)) in headings.texts.iter().zip(meanings).enumerate() {
             let Some(meaning) = meaning else {
                 let plain = heading.to_lowercase();
                 let plain = plain.trim_matches(|c: char| !c.is_alphanumeric());
                 let is_box = has_box && ["width", "height"].contains(&plain);
                 // Per cents are no lengths: `%Area` of ImageJ.
-                if IGNORED.contains(&plain) || is_box || heading.starts_with('%') {
+                if headings.are_chosen
+                    || IGNORED.contains(&plain)
+                    || is_box
+                    || heading.starts_with('%')
+                {
                     continue;
                 }
                 return Err(format!("column \"{heading}\" is not known: {accepted}"));
@@ -437,28 +570,38 @@ impl<const N: usize> Columns<N> {
                 .unit
                 .clone()
                 .or(below.filter(|unit| !unit.is_empty()));
-            let unit = unit.or(default.map(str::to_owned));
+            let length = unit.as_deref().map(|unit| match meaning.form {
+                Form::Area => unit
+                    .trim_end_matches("^2")
+                    .trim_end_matches(['2', '\u{b2}']),
+                _ => unit,
+            });
+            let length = length.filter(|length| default.is_none() || !is_pixel(length));
+            let unit = match length {
+                Some(length) if length_unit(length).is_some() => Unit::parse(length),
+                Some(pixel) if is_pixel(pixel) => {
+                    return Err(format!(
+                        "column \"{heading}\" is in pixels: give the size of one after the name of the file, as \"FILE [0.325 um]\""
+                    ));
+                }
+                Some(_) => {
+                    return Err(format!(
+                        "column \"{heading}\" is in the unknown unit \"{}\": give a length in {}",
+                        unit.unwrap_or_default(),
+                        Dimension::Length.unit_list()
+                    ));
+                }
+                None => default.cloned(),
+            };
             let Some(unit) = unit else {
                 return Err(format!(
                     "column \"{heading}\" has no unit: write it into the heading, as \"{heading} [um]\", or after the name of the file, as \"FILE [um]\""
                 ));
             };
-            let length = match meaning.form {
-                Form::Area => unit
-                    .trim_end_matches("^2")
-                    .trim_end_matches(['2', '\u{b2}']),
-                _ => &unit[..],
-            };
-            if length_unit(length).is_none() {
-                return Err(format!(
-                    "column \"{heading}\" is in the unknown unit \"{unit}\": give a length in {}",
-                    Dimension::Length.unit_list()
-                ));
-            }
             let new = Place {
                 place,
                 form: meaning.form,
-                unit: symbol_of(length).to_owned(),
+                unit,
             };
             if is_beside {
                 radius = Some((meaning.column, new));
@@ -479,17 +622,137 @@ impl Place {
     /// Length of a cell, m.
     fn value(&self, text: &str, notation: Notation) -> Option<f64> {
         let number = number(text, notation)?;
-        let length =
-            |number: &str| parse_quantity(&format!("{number} {}", self.unit), Dimension::Length);
+        let Unit { number: of, symbol } = &self.unit;
+        let length = |number: &str| {
+            let length = parse_quantity(&format!("{number} {symbol}"), Dimension::Length);
+            Some(of * length.ok()?)
+        };
         match self.form {
-            Form::Length => length(&number).ok(),
-            Form::Half => Some(2.0 * length(&number).ok()?),
+            Form::Length => length(&number),
+            Form::Half => Some(2.0 * length(&number)?),
             Form::Area => {
                 let area: f64 = number.parse().ok()?;
-                Some((4.0 * area / PI).sqrt() * length("1").ok()?)
+                Some((4.0 * area / PI).sqrt() * length("1")?)
             }
         }
     }
+}
+
+/// Separators of the names of columns.
+const SEPARATORS_OF_NAMES: [char; 4] = [',', ';', '\t', ' '];
+
+/// The headings of a table whose columns the case names, by their texts in some line or by their numbers.
+fn chosen_headings(lines: &[&str], columns: &[Chosen]) -> Result<Headings, String> {
+    let number = |chosen: &Chosen| {
+        chosen
+            .heading
+            .parse()
+            .ok()
+            .and_then(|it: usize| it.checked_sub(1))
+    };
+    let is_named = columns.iter().any(|chosen| number(chosen).is_none());
+    let place = |texts: &[String], chosen: &Chosen| match number(chosen) {
+        Some(place) => Some(place).filter(|place| *place < texts.len()),
+        None => texts.iter().position(|text| *text == chosen.heading),
+    };
+    let split =
+        |line: &str| SEPARATORS_OF_NAMES.map(|separator| (separator, cells(line, separator)));
+    for (index, line) in lines.iter().enumerate() {
+        for (separator, texts) in split(of_comment(line)) {
+            let places = columns.iter().map(|chosen| place(&texts, chosen));
+            let Some(places) = places.collect::<Option<Vec<usize>>>() else {
+                continue;
+            };
+            // Without names the first row of numbers decides; its headings are those above it, if there are any.
+            if !is_named && !(is_row(line) && places.iter().all(|place| is_number(&texts[*place])))
+            {
+                continue;
+            }
+            let width = texts.len();
+            let above = || {
+                let above = cells(of_comment(lines[index.checked_sub(1)?]), separator);
+                (above.len() == width).then_some(above)
+            };
+            let (first, texts) = match is_named {
+                true => (index + 1, texts),
+                false => (index, above().unwrap_or_else(|| vec![String::new(); width])),
+            };
+            let mut meanings = vec![None; width];
+            for (chosen, place) in columns.iter().zip(places) {
+                meanings[place] = Some(Meaning {
+                    column: chosen.column,
+                    form: chosen.form,
+                    unit: split_unit(&texts[place]).1,
+                });
+            }
+            // The numbers may have another separator than names in a comment.
+            let row = lines[first..].iter().find(|line| is_row(line));
+            let separators = [separator, ' ', ',', ';', '\t'].into_iter();
+            let mut fitting =
+                separators.filter(|other| row.is_some_and(|row| cells(row, *other).len() == width));
+            return Ok(Headings {
+                first,
+                separator: fitting.next().unwrap_or(separator),
+                texts,
+                meanings,
+                are_chosen: true,
+            });
+        }
+    }
+    let most = lines
+        .iter()
+        .flat_map(|line| split(line))
+        .max_by_key(|(separator, texts)| {
+            let found = columns
+                .iter()
+                .filter(|chosen| place(texts, chosen).is_some());
+            (found.count(), *separator != ' ', texts.len())
+        });
+    let texts = most.map_or(Vec::new(), |(_, texts)| texts);
+    let missing = columns
+        .iter()
+        .find(|chosen| place(&texts, chosen).is_none());
+    Err(match missing {
+        Some(chosen) => format!(
+            "there is no column \"{}\"; there are {}",
+            chosen.heading,
+            texts.join(", ")
+        ),
+        None => "no line has numbers in all the columns that are named".to_owned(),
+    })
+}
+
+/// A line without the sign of a comment before it.
+fn of_comment(line: &str) -> &str {
+    line.trim_start().trim_start_matches('#')
+}
+
+/// The row of units among the first rows below the headings, and the number of rows above it: some programs repeat the headings in other words.
+fn units_below<'a>(
+    rows: impl Iterator<Item = (usize, &'a &'a str)>,
+    separator: char,
+) -> Option<(usize, Vec<String>)> {
+    /// Most rows of names and units below the headings.
+    const MOST: usize = 3;
+    let rows = rows.take(MOST).map(|(_, line)| cells(line, separator));
+    let mut rows = rows.take_while(|row| !row.iter().any(|cell| is_number(cell)));
+    let is_unit = |text: &String| {
+        let text = without_brackets(text);
+        length_unit(text).is_some() || is_pixel(text)
+    };
+    let mut rows = rows.by_ref().enumerate();
+    rows.find(|(_, row)| row.iter().any(is_unit))
+}
+
+/// Whether a unit is that of places in an image.
+fn is_pixel(unit: &str) -> bool {
+    ["px", "pix", "pixel", "pixels"].contains(&&unit.trim().to_lowercase()[..])
+}
+
+/// Whether a table is one of ImageJ with the boxes around particles.
+fn has_box(headings: &[String]) -> bool {
+    let has = |name: &&str| headings.iter().any(|heading| heading == name);
+    has(&"BX") || ["X", "Y", "Area", "Width", "Height"].iter().all(has)
 }
 
 /// Whether a line is no comment and not empty.
@@ -556,7 +819,8 @@ pub(crate) fn split_unit(heading: &str) -> (&str, Option<String>) {
         let length = unit
             .trim_end_matches("^2")
             .trim_end_matches(['2', '\u{b2}']);
-        length_unit(length).map(|_| (name.trim(), Some(unit.to_owned())))
+        (length_unit(length).is_some() || is_pixel(length))
+            .then(|| (name.trim(), Some(unit.to_owned())))
     });
     split.unwrap_or((heading, None))
 }

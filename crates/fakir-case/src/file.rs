@@ -1,7 +1,7 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
 use crate::case::{Case, PillarsOrigin, Spacing};
-use crate::columns::{Table, TableError};
+use crate::columns::{Given, Table, TableError, Unit};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, both_given, kind_name, one_of,
     override_value, table_for_key, unknown_key,
@@ -10,7 +10,9 @@ use crate::error::{CaseError, OVERRIDE, Place, Source};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table, present};
 use crate::parts::{Parts, PillarPatternParts, TRUE_OR_FALSE};
-use crate::pillars::{DIAMETER, HEIGHT, common_pillar, listed, pillars_in, read_pillars};
+use crate::pillars::{
+    DIAMETER, HEIGHT, chosen_columns, common_pillar, listed, pillars_in, read_pillars,
+};
 use crate::profile::read_profile;
 use crate::table::{Field, IMPLIED, Part, Presence, Range};
 use crate::unit::{Dimension, format_quantity, parse_quantity};
@@ -68,11 +70,18 @@ impl Case {
     }
 }
 
+/// The unit of the columns of a table of pillars, m, if the case gives it.
+fn unit_of(pattern: &PillarPatternParts) -> Option<f64> {
+    Some(pattern.pillar_unit).filter(|unit| unit.is_finite())
+}
+
 impl CaseFile {
     /// Replaces the listed pillars of a file, if its arrangement is `"listed"`.
     #[must_use]
     pub fn with_pillars(mut self, pillars: PillarList) -> Self {
-        self.entries.keys.remove(&Key::Pillars);
+        for key in [Key::Pillars, Key::PillarColumns, Key::PillarUnit] {
+            self.entries.keys.remove(&key);
+        }
         Self {
             pillars: Some(pillars),
             ..self
@@ -445,14 +454,26 @@ impl CaseFile {
         &self,
         pattern: &PillarPatternParts,
     ) -> Result<(Table<4>, PathBuf), CaseError> {
+        let columns = match &pattern.pillar_columns[..] {
+            "" => Vec::new(),
+            text => chosen_columns(text).map_err(|problem| {
+                self.problem(Key::PillarColumns, problem).accepted(
+                    "x, y, height, and one of diameter, radius and area, each with the heading or the number of its column: \"x = POSITION_X, y = 4\"",
+                )
+            })?,
+        };
+        let given = Given {
+            columns,
+            unit: unit_of(pattern).map(Unit::metres),
+        };
         let (path, table) = match &self.table {
             Some((name, contents)) if *name == Path::new(&pattern.pillars) => {
-                let table = pillars_in(&pattern.pillars, contents, &pattern.pillar);
+                let table = pillars_in(&pattern.pillars, contents, &given, &pattern.pillar);
                 (name.clone(), table)
             }
             _ => {
                 let path = self.named_file(Key::Pillars, &pattern.pillars);
-                let table = read_pillars(&path, &pattern.pillar);
+                let table = read_pillars(&path, &given, &pattern.pillar);
                 (path, table)
             }
         };
@@ -478,7 +499,13 @@ impl CaseFile {
         self.check_common_pillar()?;
         let axis = pattern.axis;
         if let (Some(list), None) = (&self.pillars, self.entry(Key::Pillars)) {
-            return Ok((list.seen_from(axis), PillarsOrigin { path: None, axis }));
+            let origin = PillarsOrigin {
+                path: None,
+                columns: String::new(),
+                unit: None,
+                axis,
+            };
+            return Ok((list.seen_from(axis), origin));
         }
         let (table, path) = self.pillar_table(pattern)?;
         let list = listed(&table).map_err(|error| self.no_pillars(&error))?;
@@ -487,7 +514,13 @@ impl CaseFile {
             Some(_) => Some(path),
             None => Some(std::path::absolute(&path).unwrap_or(path)),
         };
-        Ok((list.seen_from(axis), PillarsOrigin { path, axis }))
+        let origin = PillarsOrigin {
+            path,
+            columns: pattern.pillar_columns.clone(),
+            unit: unit_of(pattern),
+            axis,
+        };
+        Ok((list.seen_from(axis), origin))
     }
 
     /// Path of a file that a key names: next to the case file, or in the current folder if an override named it.

@@ -204,7 +204,7 @@ pub fn is_height_map(path: &Path, contents: &[u8]) -> bool {
     let start = String::from_utf8_lossy(&contents[..contents.len().min(100_000)]);
     let rows = start.lines().filter(|line| {
         let line = line.trim();
-        !line.is_empty() && !line.starts_with('#')
+        !line.is_empty() && !line.starts_with(['#', '%'])
     });
     let separators: &[char] = &[' ', '\t', ',', ';'];
     let numbers = |line: &str| {

@@ -48,13 +48,14 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         has_quoted_commas: false,
         is_zygo_header: false,
     };
+    // Lines of old programs of Macintosh end in a carriage return alone.
+    let head = text.fill_buf().map_err(|error| source.unreadable(error))?;
+    let has_feeds = head.contains(&b'\n') || !head[..head.len().saturating_sub(1)].contains(&b'\r');
+    let end = if has_feeds { b'\n' } else { b'\r' };
     let mut bytes = Vec::new();
     for line in 1.. {
         bytes.clear();
-        let read = text
-            .by_ref()
-            .take(LONGEST_LINE)
-            .read_until(b'\n', &mut bytes);
+        let read = text.by_ref().take(LONGEST_LINE).read_until(end, &mut bytes);
         let length = read.map_err(|error| source.unreadable(error))?;
         if length == 0 {
             break;
@@ -121,7 +122,12 @@ impl Reader<'_> {
         if self.values.is_empty() && self.is_header_of_program(line, text) {
             return Ok(());
         }
-        let (content, comment) = split_comment(text);
+        // Comments of MATLAB and of C.
+        let begins = text.trim_start();
+        let (content, comment) = match begins.strip_prefix('%').or(begins.strip_prefix("//")) {
+            Some(comment) => ("", comment),
+            None => split_comment(text),
+        };
         if self.values.is_empty() && content.trim().is_empty() {
             self.stated.take(comment);
             self.names_points(comment, true);

@@ -75,6 +75,8 @@ pub(crate) struct PillarPatternParts {
     pub(crate) name: OfPillarPattern,
     pub(crate) arrangement: ArrangementParts,
     pub(crate) pillars: String,
+    pub(crate) pillar_columns: String,
+    pub(crate) pillar_unit: f64,
     pub(crate) axis: Point,
     pub(crate) top_radius: f64,
     pub(crate) pillar: Pillar,
@@ -190,6 +192,8 @@ impl Default for Parts {
                 name: OfPillarPattern(ArrangementName::Hexagonal),
                 arrangement: ArrangementParts::of_heights(Scatter::normal(0.0, 0)),
                 pillars: String::new(),
+                pillar_columns: String::new(),
+                pillar_unit: NOT_GIVEN,
                 axis: [0.0; 2],
                 top_radius: NOT_GIVEN,
                 pillar: Pillar {

@@ -1,6 +1,6 @@
 //! Tables of pillars: position and, if they differ, height and diameter of each.
 
-use crate::columns::{Columns, Table, TableError};
+use crate::columns::{Chosen, Columns, Given, Table, TableError, Unit};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
 use std::fmt::Display;
 use std::path::Path;
@@ -8,30 +8,46 @@ use std::path::Path;
 const COLUMNS: Columns<4> = Columns {
     names: ["x_m", "y_m", "height_m", "diameter_m"],
     required: 2,
-    accepted: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m (or an area), in any unit of length: x_um or X [um]",
+    accepted: "a table of pillars has x_m and y_m, and optionally height_m and diameter_m (or an area), in any unit of length: x_um or X [um]; of other tables name the columns, as pillar_columns = \"x = POSITION_X, y = POSITION_Y\"",
 };
 
 /// Columns of heights and diameters in a table of pillars.
 pub(crate) const HEIGHT: usize = 2;
 pub(crate) const DIAMETER: usize = 3;
 
+/// The columns that a case names by `pattern.pillar_columns`.
+///
+/// # Errors
+/// A description of what is wrong with the text.
+pub(crate) fn chosen_columns(text: &str) -> Result<Vec<Chosen>, String> {
+    COLUMNS.chosen(text)
+}
+
 /// Reads a table of pillars: values under a line with the names of the columns and their units, `x_m` and `y_m` or `X [um]` and `Y [um]`, and
 /// optionally heights and diameters, or areas of tops, whose defaults are those of the common pillar, as of empty cells. Lines that begin with `#`
-/// are ignored. The name of the file may be followed by the unit of columns without one: `Results.csv [um]`.
+/// are ignored. The name of the file may be followed by the unit of columns without one, or the size of a pixel: `Results.csv [um]`, `spots.csv [0.325 um]`.
 ///
 /// # Errors
 /// A file that cannot be read, unknown or missing columns, and values that are not numbers, with the line.
-pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, TableError> {
+pub(crate) fn read_pillars(
+    path: &Path,
+    given: &Given,
+    common: &Pillar,
+) -> Result<Table<4>, TableError> {
     let text = path.to_string_lossy();
     let split = text
         .strip_suffix(']')
         .and_then(|text| text.rsplit_once('['));
     match split {
         Some((file, unit)) if !path.exists() => {
-            let file = Path::new(file.trim_end());
-            COLUMNS.read(file, Some(unit.trim()), otherwise(common))
+            let mut given = given.clone();
+            given.unit = Some(Unit::parse(unit).ok_or_else(|| TableError::Unit {
+                path: file.trim_end().to_owned(),
+                unit: unit.to_owned(),
+            })?);
+            COLUMNS.read(Path::new(file.trim_end()), &given, otherwise(common))
         }
-        _ => COLUMNS.read(path, None, otherwise(common)),
+        _ => COLUMNS.read(path, given, otherwise(common)),
     }
 }
 
@@ -39,9 +55,10 @@ pub(crate) fn read_pillars(path: &Path, common: &Pillar) -> Result<Table<4>, Tab
 pub(crate) fn pillars_in(
     name: &str,
     contents: &[u8],
+    given: &Given,
     common: &Pillar,
 ) -> Result<Table<4>, TableError> {
-    COLUMNS.parse(name, contents, None, otherwise(common))
+    COLUMNS.parse(name, contents, given, otherwise(common))
 }
 
 /// What the headings of a table of pillars name.
@@ -180,7 +197,12 @@ mod tests {
             height: 2.2e-6,
             compliance: PillarCompliance::Column,
         };
-        let table = COLUMNS.parse("pillars.csv", text.as_bytes(), None, otherwise(&common));
+        let table = COLUMNS.parse(
+            "pillars.csv",
+            text.as_bytes(),
+            &Given::default(),
+            otherwise(&common),
+        );
         table
             .and_then(|table| listed(&table))
             .map_err(|error| error.to_string())
@@ -259,7 +281,7 @@ mod tests {
         let table = COLUMNS.parse(
             "wide.txt",
             &wide.flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
-            None,
+            &Given::default(),
             [0.0, 0.0, 2e-6, 4e-6],
         );
         assert!((table.unwrap().rows[0][0] - 1e-5).abs() < 1e-18);
@@ -280,11 +302,109 @@ mod tests {
             .replace("Width,Height", "Major,Minor");
         for text in [text, &without_box, &of_mass] {
             std::fs::write(folder.path().join("Results.csv"), text).unwrap();
-            let table = read_pillars(&folder.path().join("Results.csv [um]"), &common).unwrap();
+            let table = read_pillars(
+                &folder.path().join("Results.csv [um]"),
+                &Given::default(),
+                &common,
+            )
+            .unwrap();
             let [x, y, height, diameter] = table.rows[0];
             assert!((x - 1e-5).abs() < 1e-18 && y.abs() < 1e-18 && (height - 2e-6).abs() < 1e-18);
             assert!((diameter - 6e-6).abs() < 1e-15, "{diameter}");
         }
+    }
+
+    /// Tables as TrackMate, scikit-image, trackpy, CellProfiler and QuPath write them.
+    #[test]
+    fn columns_may_be_named() {
+        let common = Pillar {
+            diameter: 5e-6,
+            height: 2e-6,
+            compliance: PillarCompliance::Column,
+        };
+        let read = |text: &str, columns: &str, unit: Option<f64>| {
+            let given = Given {
+                columns: chosen_columns(columns)?,
+                unit: unit.map(Unit::metres),
+            };
+            let table = COLUMNS.parse("spots.csv", text.as_bytes(), &given, otherwise(&common));
+            table
+                .map(|table| table.rows)
+                .map_err(|error| error.to_string())
+        };
+        let trackmate = "LABEL,ID,QUALITY,POSITION_X,POSITION_Y,POSITION_Z,FRAME,RADIUS,VISIBILITY\n\
+                         Label,Spot ID,Quality,X,Y,Z,Frame,Radius,Visibility\n\
+                         Label,Spot ID,Quality,X,Y,Z,Frame,R,Visibility\n\
+                         ,,(quality),(micron),(micron),(micron),,(micron),\n\
+                         ID4,4,9.5,10.0,0.0,0.0,0,3.0,1\nID5,5,8.1,30.0,0.0,0.0,0,3.0,1\n";
+        let wide = "label,area,centroid-0,centroid-1,equivalent_diameter_area\n1,28,0.0,20.0,12.0\n2,28,0.0,60.0,12.0\n";
+        let spots = ",y,x,mass,size,ecc,signal,raw_mass,ep,frame\n0,0.0,20.0,9e3,3.1,0.1,50.0,1e4,0.05,0\n1,0.0,60.0,9e3,3.1,0.1,50.0,1e4,0.05,0\n";
+        let tabs = "Image\tName\tCentroid X \u{b5}m\tCentroid Y \u{b5}m\tNucleus: Area\na.tif\t\t10.0\t0.0\t28\na.tif\t\t30.0\t0.0\t28\n";
+        let plain = "# made by hand\n7 10 0 6\n8 30 0 6\n";
+        let half = Some(0.5e-6);
+        let cases = [
+            (
+                trackmate,
+                "x = POSITION_X, y = POSITION_Y, radius = RADIUS",
+                None,
+                6e-6,
+            ),
+            (trackmate, "x=4; y=5; radius=8", None, 6e-6),
+            (
+                wide,
+                "x = centroid-1, y = centroid-0, diameter = equivalent_diameter_area",
+                half,
+                6e-6,
+            ),
+            (spots, "x = x, y = y", half, 5e-6),
+            (
+                tabs,
+                "x = Centroid X \u{b5}m, y = \"Centroid Y \u{b5}m\"",
+                None,
+                5e-6,
+            ),
+            (plain, "x = 2, y = 3, d = 4", Some(1e-6), 6e-6),
+        ];
+        for (text, columns, unit, diameter) in cases {
+            let rows = read(text, columns, unit).unwrap();
+            let expected = [[1e-5, 0.0, 2e-6, diameter], [3e-5, 0.0, 2e-6, diameter]];
+            assert_eq!(rows.len(), 2, "{columns}");
+            for (found, expected) in rows.iter().flatten().zip(expected.iter().flatten()) {
+                assert!(
+                    (found - expected).abs() <= 1e-12 * expected,
+                    "{columns}: {rows:?}"
+                );
+            }
+        }
+        // Without names, columns that are not known are named; positions in pixels need their size.
+        let unnamed = |text: &str| tests::read(text).unwrap_err();
+        assert!(unnamed(trackmate).contains("column \"QUALITY\" is not known"));
+        assert!(unnamed(trackmate).contains("pillar_columns"));
+        let error = |columns: &str| read(trackmate, columns, None).unwrap_err();
+        assert!(
+            error("x = POSITION_X, y = POS_Y")
+                .contains("there is no column \"POS_Y\"; there are LABEL, ID")
+        );
+        for (columns, problem) in [
+            ("x = POSITION_X", "the column of y is missing"),
+            ("x = 4, y = 5, x = 6", "\"x\" is given twice"),
+            (
+                "x = 4, y = 5, radius = 8, diameter = 8",
+                "\"diameter\" is given twice",
+            ),
+            ("x = 4, y = 5, z = 6", "there is no quantity \"z\""),
+            ("x, y = 5", "\"x\" names no column"),
+            ("x = 4, y = 4", "x and y are the same column"),
+            ("x = 40, y = 5", "there is no column \"40\""),
+        ] {
+            assert!(
+                error(columns).contains(problem),
+                "{columns}: {}",
+                error(columns)
+            );
+        }
+        let pixels = read("x,y\n(pixel),(pixel)\n1,2\n", "x = x, y = y", None).unwrap_err();
+        assert!(pixels.contains("column \"x\" is in pixels"), "{pixels}");
     }
 
     #[test]
@@ -302,7 +422,11 @@ mod tests {
         assert!(wrong("x_m,y_m\n0,inf").contains("line 2: y_m is inf"));
         assert!(wrong("x_m,y_m,height_m\n0,0,-1").contains("line 2: height_m is -1"));
         assert!(wrong("x_um,y\n0,0").contains("column \"y\" has no unit"));
-        assert!(wrong("x_px,y [px]\n0,0").contains("column \"x_px\" is not known"));
+        let pixels = wrong("x_px,y [px]\n0,0");
+        assert!(
+            pixels.contains("column \"x_px\" is in pixels") && pixels.contains("[0.325 um]"),
+            "{pixels}"
+        );
         let both = "x_um,y_um,radius_um,diameter_um\n10,0,3.0,6.05\n30,0,";
         assert!(read(&format!("{both}2.5,5\n")).is_ok());
         let error = wrong(&format!("{both}5,5\n"));
@@ -310,7 +434,8 @@ mod tests {
             error.contains("line 3: radius and diameter contradict"),
             "{error}"
         );
-        assert!(wrong("x [um],y [px]\n0,0").contains("\"y [px]\" is in the unknown unit \"px\""));
+        assert!(wrong("x [um],y [px]\n0,0").contains("column \"y [px]\" is in pixels"));
+        assert!(wrong("x [um],y [V]\n0,0").contains("\"y [V]\" is in the unknown unit \"V\""));
         let statistic = wrong(" ,Label,X [m],Y [m]\n1,a.tif,0,0\n2,a.tif,1,0\n3,Mean,0.5,0\n");
         assert!(
             statistic.contains("line 4: \"Mean\" labels a statistic"),

@@ -1,6 +1,6 @@
 //! Tables of the heights of an axisymmetric lens.
 
-use crate::columns::{Columns, TableError};
+use crate::columns::{Columns, Given, TableError};
 use fakir::problem::LensProfile;
 use std::path::Path;
 
@@ -17,7 +17,7 @@ const COLUMNS: Columns<2> = Columns {
 /// A file that cannot be read, unknown or missing columns, values that are not numbers, and heights that are not a valid
 /// [`LensProfile`], with the line.
 pub(crate) fn read_profile(path: &Path) -> Result<LensProfile, TableError> {
-    let table = COLUMNS.read(path, None, [f64::NAN; 2])?;
+    let table = COLUMNS.read(path, &Given::default(), [f64::NAN; 2])?;
     let column = |column: usize| table.rows.iter().map(|row| row[column]).collect();
     LensProfile::new(column(0), column(1))
         .map_err(|invalid| table.wrong(invalid.row(), invalid.to_string()))

@@ -190,6 +190,14 @@ keys! {
             text("table of pillars: columns x_m, y_m, and where they differ height_m, diameter_m, in any unit", |p| &mut p.pattern.pillars)
                 .with(Key::Lattice, &["listed"])
                 .unwritten(|p| p.pattern.pillars.is_empty());
+        PillarColumns = "pattern.pillar_columns" is
+            text("columns of the table by heading or number: x = POSITION_X, y = 4; also height, and diameter, radius or area", |p| &mut p.pattern.pillar_columns)
+                .otherwise("their headings name them, and there are no others").with(Key::Lattice, &["listed"])
+                .unwritten(|p| p.pattern.pillar_columns.is_empty());
+        PillarUnit = "pattern.pillar_unit" is
+            length("unit of columns without one, as 1 um, or the size of a pixel, as 0.325 um", |p| &mut p.pattern.pillar_unit)
+                .positive().otherwise("units are in the headings").with(Key::Lattice, &["listed"])
+                .unwritten(|p| p.pattern.pillar_unit.is_nan());
         AxisX = "pattern.axis_x" is
             length("position of the lens axis among listed pillars, along x", |p| &mut p.pattern.axis[0])
                 .optional().with(Key::Lattice, &["listed"]);

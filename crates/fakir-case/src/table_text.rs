@@ -69,6 +69,11 @@ pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
         _ if bytes.contains(&0) => None,
         _ => Some(narrow_text(bytes)),
     }
+    .map(|text| match text.contains('\r') && !text.contains('\n') {
+        // Lines of old programs of Macintosh.
+        true => Cow::Owned(text.replace('\r', "\n")),
+        false => text,
+    })
     .map(|text| with_cells_in_one_line(&text).map_or(text, Cow::Owned))
 }
 

@@ -67,7 +67,7 @@ export class Controls {
       title.textContent = titleOf(table);
       set.append(title);
       for (const key of this.#keys.filter((key) => key.table === table)) {
-        const widget = isField(key) ? (key.list ? this.#list(key) : this.#field(key)) : isFlag(key) ? this.#flag(key) : this.#choice(key);
+        const widget = this.#widget(key);
         this.#widgets.set(key.key, widget);
         set.append(widget.box);
       }
@@ -126,6 +126,33 @@ export class Controls {
       found ||= wrong;
     }
     return found;
+  }
+
+  /**
+   * @param {Key} key
+   * @returns {Widget}
+   */
+  #widget(key) {
+    if (isField(key)) return key.list ? this.#list(key) : this.#field(key);
+    if (key.text) return this.#text(key);
+    return isFlag(key) ? this.#flag(key) : this.#choice(key);
+  }
+
+  /**
+   * A text; without one the key is not given.
+   * @param {Key} key
+   * @returns {Widget}
+   */
+  #text(key) {
+    const { box, note, text } = textField(key);
+    text.placeholder = key.default === null ? "by their headings" : String(key.default);
+    text.addEventListener("change", () => this.#changed(key.key, text.value.trim(), true, performance.now()));
+    box.append(text, note);
+    /** @type {(value: Value, typed: boolean) => void} */
+    const show = (value, typed) => {
+      if (!typed) text.value = String(value);
+    };
+    return { box, note, show, inputs: [text] };
   }
 
   /**
@@ -308,17 +335,26 @@ function titleOf(table) {
  */
 
 /**
- * The frame of a control with a text and a slider, which are not in it yet.
- * @param {Field} field
+ * The field of a text or a number, with its label and the note for errors.
+ * @param {Key} key
  */
-function textAndSlider(field) {
-  const { box, note, id, describedBy } = frame(field);
+function textField(key) {
+  const { box, note, id, describedBy } = frame(key);
   const text = document.createElement("input");
   text.id = id;
   text.type = "text";
   text.spellcheck = false;
   text.autocomplete = "off";
   text.setAttribute("aria-describedby", describedBy);
+  return { box, note, text, id, describedBy };
+}
+
+/**
+ * The frame of a control with a text and a slider, which are not in it yet.
+ * @param {Field} field
+ */
+function textAndSlider(field) {
+  const { box, note, text, id, describedBy } = textField(field);
   const slider = document.createElement("input");
   slider.id = `${id}-slider`;
   slider.type = "range";

@@ -486,6 +486,7 @@
  * @property {number | null} least Smallest accepted value, unless it depends on other keys.
  * @property {number | null} greatest Largest accepted value, unless it depends on other keys.
  * @property {readonly [number, number] | null} usual Range of usual values.
+ * @property {boolean} text Whether it takes any text.
  * @property {boolean} list Whether it takes a list of numbers.
  * @property {boolean} whole
  * @property {string | null} infinite The word for no value, if that is an infinite one: of a thickness or a radius.

@@ -17,6 +17,9 @@ export const FRACTION = "pattern.surface_fraction";
 export const FLOOR = "floor.contact";
 export const PITCH = "pattern.pitch";
 export const PILLARS = "pattern.pillars";
+/** Its columns and their unit, if its headings do not name them. */
+const TABLE_COLUMNS = "pattern.pillar_columns";
+const TABLE_UNIT = "pattern.pillar_unit";
 /** The lattice of pillars that a table lists. */
 export const LISTED = "listed";
 export const LATTICE = "pattern.lattice";
@@ -380,7 +383,8 @@ export class Store {
     }
     const isInfinite = this.#state.start.keys.some((known) => known.key === key && known.infinite);
     if (key === FLAT && value !== "true") delete values[FLAT];
-    const isEmptied = value === "" && (key === STRENGTHS || key === TIMES || key === WORK || key === RECEDING || isInfinite);
+    const isOptional = [STRENGTHS, TIMES, WORK, RECEDING, TABLE_COLUMNS, TABLE_UNIT].includes(key);
+    const isEmptied = value === "" && (isOptional || isInfinite);
     if (isEmptied) delete values[key];
     this.choose({ case: values }, asked, typed && !isEmptied ? key : null);
   }

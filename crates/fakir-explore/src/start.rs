@@ -60,6 +60,7 @@ fn keys() -> Vec<Value> {
                     Kind::Number(dimension) | Kind::List(dimension) => Some(dimension.noun()),
                     Kind::Word | Kind::Text => None,
                 },
+                "text": key.kind() == Kind::Text,
                 "list": matches!(key.kind(), Kind::List(_)),
                 "least": bound(lower),
                 "greatest": bound(upper),

@@ -294,6 +294,63 @@ proptest! {
     }
 }
 
+/// A case that names the columns of its table and the size of a pixel is written with both.
+#[test]
+fn columns_and_unit_of_a_table_are_written() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let table = "ID,POSITION_X,POSITION_Y,QUALITY,R\n1,0,0,9,6\n2,40,0,8,6\n";
+    std::fs::write(folder.path().join("spots.csv"), table).unwrap();
+    let bodies = "lens = { radius = 2e-3, young_modulus = 2e6, poisson_ratio = 0.5 }\n\
+                  substrate = { young_modulus = 2e6, poisson_ratio = 0.5 }\n";
+    let read = |pattern: &str| {
+        let path = folder.path().join("case.toml");
+        std::fs::write(
+            &path,
+            format!("{bodies}[pattern]\npillars = \"spots.csv\"\n{pattern}"),
+        )
+        .unwrap();
+        CaseFile::read(&path).unwrap()
+    };
+    let columns = "x = POSITION_X, y = POSITION_Y, radius = R";
+    let named =
+        format!("pillar_columns = \"{columns}\"\npillar_unit = \"0.5 um\"\npillar.height = 2e-6\n");
+    let case = read(&named).case().unwrap();
+    assert!((case.system.pillar().diameter / 6e-6 - 1.0).abs() < 1e-12);
+    let text = case.to_toml();
+    assert!(
+        text.contains(columns) && text.contains("pillar_unit = \"500 nm\""),
+        "{text}"
+    );
+    assert_eq!(parse(&text), case);
+    // As overrides, and of rounded tops, whose tables in other files have the usual columns.
+    let mut file = read(&named);
+    file.set("pillar_unit=1um").unwrap();
+    assert!((file.case().unwrap().system.pillar().diameter / 12e-6 - 1.0).abs() < 1e-12);
+    file.set("top_radius=10um").unwrap();
+    let rounded = file.asperity_case().unwrap();
+    assert!(rounded.to_toml().contains(columns));
+    assert!(
+        !rounded
+            .to_toml_with_table("pillars.csv")
+            .contains("pillar_")
+    );
+    // On lattices they have no meaning.
+    for (setting, place) in [
+        (
+            "pillar_columns = \"x = 1\"\npillar.height = 2e-6\n",
+            "pattern.pillar_columns: the column of y is missing",
+        ),
+        ("pillar_unit = 0\n", "pattern.pillar_unit"),
+    ] {
+        let error = read(setting).case().unwrap_err().to_string();
+        assert!(error.contains(place), "{error}");
+    }
+    let lattice = "lattice = \"square\"\npitch = 2e-5\npillar_unit = 1e-6\npillar = { diameter = 6e-6, height = 2e-6 }\n";
+    let text = format!("{bodies}[pattern]\n{lattice}");
+    let error = CaseFile::parse("case.toml", &text).and_then(|file| file.case());
+    assert!(error.unwrap_err().to_string().contains("pillar_unit"));
+}
+
 /// A table with a height and a diameter for every pillar needs no common values: indentations are measured from the highest pillar, and
 /// results are normalised by the mean diameter.
 #[test]

@@ -187,6 +187,8 @@ fn rows_of_other_programs() {
         wide.collect(),
         packer.finish().unwrap(),
         format!("Height(nm)\n{rows}").into_bytes(),
+        rows.replace('\n', "\r").into_bytes(),
+        format!("% heights\n// of a map\n{rows}").into_bytes(),
         b";0;1;2;3\n;10;11;12;13\n;20;21;22;23\n".to_vec(),
         b"0,1,2,3,\n10,11,12,13,\n20,21,22,23,\n".to_vec(),
         b"\"0\",\"1\",\"2\",\"3\"\n\"10\",11,12,13\n20,21,22,\"23.0\"\n".to_vec(),
