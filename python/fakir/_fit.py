@@ -387,7 +387,7 @@ def fit(
     check_parameters(free, starts)
     raw, data, instrument = prepared(
         measurements,
-        has_pauses=is_viscoelastic(system, free),
+        has_pauses=_fakir.has_relaxation(case_of(system), list(free)),
         columns=columns,
         spring_constant=spring_constant,
         rows=rows,
@@ -423,19 +423,6 @@ def case_of(
     if isinstance(system, AsperityArray):
         return system._asperities
     return system._flat if isinstance(system, FlatSystem) else system._case
-
-
-def is_viscoelastic(
-    system: System | FlatSystem | AsperityArray | Surface, free: Sequence[str]
-) -> bool:
-    """Whether the rows are a history over time, to which pauses belong."""
-    if any(name.startswith("relaxation.") for name in free):
-        return True
-    if isinstance(system, Surface):
-        text = system._surface.to_toml() or ""
-    else:
-        text = system.to_toml()
-    return "\n[relaxation]" in text
 
 
 Instrument: TypeAlias = tuple[float | None, float, float, float, float, float]

@@ -17,7 +17,6 @@ from ._fit import (
     case_of,
     check_parameters,
     estimate,
-    is_viscoelastic,
     prepared,
     written,
 )
@@ -366,12 +365,11 @@ def fit_many(
     owns: list[_Case | None] = [None] * len(pairs)
     if len(systems) > 1:
         owns = [case_of(one) for one in systems]
-    has_pauses = is_viscoelastic(systems[0], free)
     for (name, measurements), own in zip(pairs, owns, strict=True):
         try:
             raw, data, instrument = prepared(
                 measurements,
-                has_pauses=has_pauses,
+                has_pauses=_fakir.has_relaxation(own or first, list(free)),
                 columns=columns,
                 spring_constant=spring_constant,
                 rows=rows,

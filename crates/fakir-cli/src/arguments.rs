@@ -11,7 +11,7 @@ use fakir_case::{CaseError, CaseFile, Key, Kind, SurfaceKind, read_protocol};
 use fakir_inverse::design::{PressedQuantity, Wanted, free_key};
 use fakir_inverse::fit::{
     FitOptions, Hints, MOST_STARTS, Measurements, NamedColumn, Parameter, Selection,
-    shared_by_default,
+    has_relaxation, shared_by_default,
 };
 use fakir_inverse::spread::{Deviation, Landing, Sampling, Tolerance};
 use fakir_study::answer::{Details, Maps, Request};
@@ -1196,12 +1196,6 @@ impl Fit {
         }
     }
 
-    /// Whether the bodies are viscoelastic, so that the rows of pauses are data too.
-    fn has_relaxation(&self, case: &CaseFile) -> Result<bool, Failure> {
-        let is_free = self.free.iter().any(|free| free.is_of_relaxation());
-        Ok(is_free || case.relaxation()?.is_some())
-    }
-
     /// The data of a file for its case, with the errors given as arguments where the file has none.
     pub(crate) fn measurements(
         &self,
@@ -1212,7 +1206,7 @@ impl Fit {
             named: self.columns.clone(),
             spring_constant: self.spring_constant,
             last_row: self.rows.and_then(|rows| rows.0[1]),
-            has_pauses: self.has_relaxation(case)?,
+            has_pauses: has_relaxation(case, &self.free)?,
         };
         let mut data = Measurements::read_with(path, &hints)?;
         let dimension = data.load_dimension();

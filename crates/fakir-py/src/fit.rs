@@ -294,6 +294,19 @@ fn fit_options(instrument: Instrument, starts: usize) -> FitOptions {
 }
 
 /// Values of the free parameters that fit the data best.
+/// Whether the rows are a history over time, to which pauses belong.
+#[pyfunction]
+pub(crate) fn has_relaxation(case: Fittable<'_>, free: Vec<String>) -> PyResult<bool> {
+    let named = free.iter().flat_map(|name| Parameter::all_named(name));
+    let free: Vec<Parameter> = named.collect();
+    match case {
+        // A height map of an array, of which only moduli are fitted.
+        Fittable::Surface(surface) if surface.of_file("parameters").is_err() => Ok(false),
+        _ => fakir_inverse::fit::has_relaxation(&case.file("parameters")?, &free)
+            .map_err(|error| case_error(&error)),
+    }
+}
+
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,

@@ -43,7 +43,7 @@ mod _fakir {
     #[pymodule_export]
     use super::design::{cite, design, parse_deviation, sampling_seed, spread};
     #[pymodule_export]
-    use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly};
+    use super::fit::{Data, Fitted, FittedCurves, fit, fit_curves, fit_jointly, has_relaxation};
     #[pymodule_export]
     use super::flat::{Flat, approach_flat, cycle_flat, gradient_flat, press_flat, verify_flat};
     #[pymodule_export]

@@ -101,7 +101,7 @@ pub use selection::Selection;
 pub use statistics::{
     FEWEST_FOR_OUTLIERS, OUTLIER_SCORE, Outlier, Sample, Statistics, WeightedMean,
 };
-pub use subject::{FittedCycle, method_name};
+pub use subject::{FittedCycle, has_relaxation, method_name};
 
 use descent::{Descent, INTERPOLATED, NO_GAIN, PATIENCE};
 use fakir::numerics::convergence::{larger, within};

@@ -257,6 +257,15 @@ fn among(numbers: &[(Key, f64)], key: Key) -> Option<f64> {
         .map(|(_, value)| *value)
 }
 
+/// Whether the bodies of a case are viscoelastic or their relaxation is free, so that the rows are a history over time, to which pauses belong.
+///
+/// # Errors
+/// An invalid relaxation.
+pub fn has_relaxation(file: &CaseFile, free: &[Parameter]) -> Result<bool, CaseError> {
+    let is_free = free.iter().any(|parameter| parameter.is_of_relaxation());
+    Ok(is_free || file.relaxation()?.is_some())
+}
+
 /// Name of the method of fits with a case: that of a method for pillars, `rounded tops`, `love` on a height map, or `flat`.
 ///
 /// # Errors
