@@ -1,12 +1,13 @@
 //! A case file and its overrides, resolved into a [`Case`].
 
 use crate::case::{Case, PillarsOrigin, Spacing};
-use crate::columns::{Given, Table, TableError, Unit};
+use crate::columns::{Table, TableError};
 use crate::entries::{
     Entries, Entry, NAME_IN_QUOTES, Value, accepted, ambiguous_key, both_given, kind_name, one_of,
     override_value, table_for_key, unknown_key,
 };
 use crate::error::{CaseError, OVERRIDE, Place, Source};
+use crate::headings::{Given, Unit};
 use crate::input::{self, LARGEST_CASE};
 use crate::key::{Key, Setting, is_table, present};
 use crate::parts::{Parts, PillarPatternParts, TRUE_OR_FALSE};

@@ -1,6 +1,6 @@
 //! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the heading of Gwyddion, and lists of points.
 
-use crate::columns::{length_unit, split_unit};
+use crate::headings::{length_unit, split_unit};
 use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
 use crate::notation::{Evidence, Marks, Notation, is_not_measured, number, single};
 use crate::table_text::{self, SEPARATORS, narrow_text, split_comment};

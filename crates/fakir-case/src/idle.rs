@@ -6,6 +6,7 @@ use crate::key::{Key, former_table_words};
 use crate::parts::{ArrangementName, OutlineForm, Parts};
 use crate::support::SurfaceKind;
 use crate::table::Part;
+use crate::unit::{Dimension, format_quantity};
 use fakir::problem::{Interactions, Question};
 
 /// A key without effect in a case.
@@ -142,7 +143,47 @@ impl CaseFile {
     pub fn warnings(&self) -> Vec<String> {
         let idle = self.without_effect().unwrap_or_default().into_iter();
         let idle = idle.map(|(key, reason)| without_effect_words(key, reason));
-        self.deprecations().into_iter().chain(idle).collect()
+        let axis = self.axis_outside().into_iter();
+        self.deprecations()
+            .into_iter()
+            .chain(idle)
+            .chain(axis)
+            .collect()
+    }
+
+    /// A warning if the lens axis is not given and lies outside the listed pillars, as in coordinates from a corner of an image.
+    #[must_use]
+    pub fn axis_outside(&self) -> Option<String> {
+        let is_given = [Key::AxisX, Key::AxisY]
+            .iter()
+            .any(|key| self.entry(*key).is_some());
+        if is_given || self.entry(Key::Pillars).is_none() {
+            return None;
+        }
+        let parts = self.parts_of_kind().ok()?;
+        let (table, _) = self.pillar_table(&parts.pattern).ok()?;
+        let extent = |axis: usize| {
+            let places = table.rows.iter().map(|row| row[axis]);
+            let least = places.clone().fold(f64::INFINITY, f64::min);
+            (least, places.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let is_outside = |(least, most): (f64, f64)| least > 0.0 || most < 0.0;
+        let (along_x, along_y) = (extent(0), extent(1));
+        if !is_outside(along_x) && !is_outside(along_y) {
+            return None;
+        }
+        let length = |value| format_quantity(value, Dimension::Length);
+        let from = |(least, most)| format!("from {} to {}", length(least), length(most));
+        let middle = |(least, most): (f64, f64)| length(0.5 * (least + most));
+        Some(format!(
+            "the lens axis is at x = 0, y = 0, outside the listed pillars, which extend {} along x and {} along y: give {} and {}, in the middle {} and {}",
+            from(along_x),
+            from(along_y),
+            Key::AxisX,
+            Key::AxisY,
+            middle(along_x),
+            middle(along_y)
+        ))
     }
 }
 

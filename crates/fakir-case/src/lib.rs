@@ -94,6 +94,7 @@ mod feature;
 mod file;
 mod flat;
 mod formats;
+mod headings;
 mod height_image;
 pub mod height_map;
 mod height_missing;

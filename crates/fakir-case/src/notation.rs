@@ -19,9 +19,15 @@ pub enum Notation {
 pub struct Evidence {
     point: bool,
     comma: bool,
+    has_quotes: bool,
 }
 
 impl Evidence {
+    /// Takes a line, whose numbers may be in quotes.
+    pub fn add_line(&mut self, line: &str) {
+        self.has_quotes |= line.contains('"');
+    }
+
     /// Takes what a number shows.
     pub fn add(&mut self, text: &str) {
         let text = without_blanks(text);
@@ -61,6 +67,12 @@ impl Evidence {
         match (self.point, self.comma) {
             (true, false) => Ok(Reading::sure(Notation::Point)),
             (false, true) => Ok(Reading::sure(Notation::Comma)),
+            // Between commas the points are decimal, as decimal commas would need quotes.
+            (false, false)
+                if separator == ',' && !self.has_quotes && !columns.iter().any(|it| it.commas) =>
+            {
+                Ok(Reading::sure(Notation::Single))
+            }
             (false, false) => undecided(columns, separator),
             _ => Ok(Reading::sure(Notation::Single)),
         }

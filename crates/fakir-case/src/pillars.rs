@@ -1,6 +1,7 @@
 //! Tables of pillars: position and, if they differ, height and diameter of each.
 
-use crate::columns::{Chosen, Columns, Given, Table, TableError, Unit};
+use crate::columns::{Columns, Table, TableError};
+use crate::headings::{Chosen, Given, Unit};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
 use std::fmt::Display;
 use std::path::Path;
@@ -40,6 +41,12 @@ pub(crate) fn read_pillars(
         .and_then(|text| text.rsplit_once('['));
     match split {
         Some((file, unit)) if !path.exists() => {
+            if given.unit.is_some() {
+                return Err(TableError::TwoUnits {
+                    path: file.trim_end().to_owned(),
+                    unit: unit.to_owned(),
+                });
+            }
             let mut given = given.clone();
             given.unit = Some(Unit::parse(unit).ok_or_else(|| TableError::Unit {
                 path: file.trim_end().to_owned(),
@@ -296,11 +303,12 @@ mod tests {
             height: 2e-6,
             compliance: PillarCompliance::Column,
         };
-        let without_box = text.replace("BX,BY", "Min,Max").replace("Mean", "%Area");
-        let of_mass = without_box
+        let of_mass = text
+            .replace("BX,BY", "Min,Max")
+            .replace("Mean", "%Area")
             .replace("X,Y,", "XM,YM,")
             .replace("Width,Height", "Major,Minor");
-        for text in [text, &without_box, &of_mass] {
+        for text in [text, &of_mass] {
             std::fs::write(folder.path().join("Results.csv"), text).unwrap();
             let table = read_pillars(
                 &folder.path().join("Results.csv [um]"),
@@ -396,6 +404,7 @@ mod tests {
             ("x, y = 5", "\"x\" names no column"),
             ("x = 4, y = 4", "x and y are the same column"),
             ("x = 40, y = 5", "there is no column \"40\""),
+            ("x = 0, y = 1", "columns are numbered from 1"),
         ] {
             assert!(
                 error(columns).contains(problem),
@@ -403,8 +412,98 @@ mod tests {
                 error(columns)
             );
         }
+        // Names are compared without case and with any micro sign; commas in them need quotes; equal names need numbers.
+        let greek = "x = centroid x \u{3bc}m, y = Centroid Y \u{b5}m";
+        assert!(read(tabs, greek, None).is_ok());
+        let commas = "\"X, um\",\"Y, um\"\n10,0\n";
+        assert!(read(commas, "x = \"X, um\", y = \"Y, um\"", None).is_ok());
+        let two = "Cells,Cells,Nuclei,Nuclei\nX,Y,X,Y\n1,2,3,4\n";
+        let twice = read(two, "x = X, y = Y", half).unwrap_err();
+        assert!(
+            twice.contains("several columns \"X\"") && twice.contains("1 or 3"),
+            "{twice}"
+        );
+        // By number the units are those of the row of units, or of the headings.
+        for text in [
+            "x,y\nnm,nm\n10000,0\n",
+            "x [nm],y [nm]\n\n10000,0\n",
+            "x / nm,y / nm\n# here\n10000,0\n",
+        ] {
+            let rows = read(text, "x = 1, y = 2", half).unwrap();
+            assert!((rows[0][0] - 1e-5).abs() < 1e-17, "{text}: {rows:?}");
+        }
         let pixels = read("x,y\n(pixel),(pixel)\n1,2\n", "x = x, y = y", None).unwrap_err();
         assert!(pixels.contains("column \"x\" is in pixels"), "{pixels}");
+    }
+
+    /// Faults of tables that nothing shows must not be read.
+    #[test]
+    fn tables_that_may_mean_something_else_are_refused() {
+        let refused = |text: &str, problem: &str| {
+            let error = read(text).unwrap_err();
+            assert!(error.contains(problem), "{text}: {error}");
+        };
+        // Several images, statistics below the particles, and boxes in images.
+        refused(
+            " ,Label,X [um],Y [um],Slice\n1,a,10,0,1\n2,a,30,0,2\n",
+            "2 images",
+        );
+        for label in [
+            "StdDev",
+            "Std. Dev.",
+            "Average (n=7)",
+            "Mean value",
+            "95% CI",
+            "Q1",
+            "Durchschnitt",
+        ] {
+            let text =
+                format!(" ,Label,X [um],Y [um]\n1,a.tif,10,0\n2,b.tif,30,0\n3,{label},20,0\n");
+            refused(&text, &format!("line 4: \"{label}\" labels a statistic"));
+        }
+        refused("X,Y,Area,Width,Height\n1,2,3,4,5\n", "boxes around them");
+        // A column whose every row is named so, and names of images, are no statistics.
+        for text in [
+            "Label,X [um],Y [um],Type\n1,10,0,Mean\n2,30,0,Mean\n",
+            "Label,X [um],Y [um]\nAVG_stack.tif,10,0\nstack.tif,30,0\n",
+        ] {
+            assert!(read(text).is_ok(), "{text}");
+        }
+        let area = "x_um,y_um,area_um2\n10,0,-28\n";
+        refused(
+            area,
+            "height_m is \"-28\""
+                .replace("height_m", "diameter_m")
+                .as_str(),
+        );
+    }
+
+    /// Tables of R, of ImageJ and of Excel with titles, labels and empty cells.
+    #[test]
+    fn usual_forms_of_tables() {
+        let expected = read("x_m,y_m,diameter_m\n1e-5,0,4e-6\n3e-5,0,6e-6\n").unwrap();
+        for text in [
+            "\"x_um\" \"y_um\" \"d_um\"\n\"1\" 10 0 4\n\"2\" 30 0 6\n",
+            "No,X [um],Y [um],D [um]\n#1,10,0,4\n#2,30,0,6\n",
+            "sep=;\nX [um];Y [um];D [um]\n10;0;4\n30;0;NaN\n;;\n",
+            "Pillars of sample 7\n\nX [um],Y [um],D [um]\n10,0,4\n30,0,n/a\n\u{1a}",
+            "% X [um], Y [um], Durchmesser [um]\n10, 0, 4\n30, 0, 6\n",
+            "X (um)\tY (um)\tArea (sq um)\tRadius (um)\n10\t0\t12\t2\n30\t0\t28\t3\n",
+            "x_nm,y_nm,d_nm\n10000.000,0.000,4000.000\n30000.000,0.000,6000.000\n",
+        ] {
+            let found = read(text).unwrap_or_else(|error| panic!("{text}: {error}"));
+            assert_eq!(found.pillars().len(), 2, "{text}");
+            for (one, other) in found.pillars().iter().zip(expected.pillars()) {
+                let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+                assert!(near(one.centre[0], other.centre[0]), "{text}");
+                assert!(near(one.diameter, other.diameter), "{text}");
+            }
+        }
+        // ImageJ writes three decimals; commas separate the cells.
+        let rows = read("x_um,y_um\n300,50\n600,50\n900,50\n1.125,150\n").unwrap();
+        assert!((rows.pillars()[3].centre[0] - 1.125e-6).abs() < 1e-18);
+        let rows = read("x_um,y_um\n300.125,110.250\n600,111.375\n1.250,310.125\n").unwrap();
+        assert!((rows.pillars()[0].centre[0] - 300.125e-6).abs() < 1e-15);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Tables of the heights of an axisymmetric lens.
 
-use crate::columns::{Columns, Given, TableError};
+use crate::columns::{Columns, TableError};
+use crate::headings::Given;
 use fakir::problem::LensProfile;
 use std::path::Path;
 

@@ -9,6 +9,8 @@ struct Sheet {
     table: String,
     /// The first cell with a formula whose value is not in the file.
     formula: Option<String>,
+    /// The first row that is hidden.
+    hidden: Option<usize>,
     /// Number of rows with two numbers, which notes on a measurement do not have.
     rows: usize,
 }
@@ -48,12 +50,9 @@ pub(crate) fn to_text(bytes: &[u8], name: Option<&str>, most: u64) -> Result<Str
     let mut found: Vec<Sheet> = Vec::new();
     for (name, member) in members.iter().filter(|(name, _)| is_wanted(name)) {
         let Some(sheet) = text(member)? else { continue };
-        let (table, formula) = rows(&sheet, &shared, most)?;
         found.push(Sheet {
             name: name.clone(),
-            rows: rows_of_numbers(&table),
-            table,
-            formula,
+            ..rows(&sheet, &shared, most)?
         });
     }
     if let (Some(name), true) = (name, found.is_empty()) {
@@ -79,6 +78,11 @@ pub(crate) fn to_text(bytes: &[u8], name: Option<&str>, most: u64) -> Result<Str
     if let Some(cell) = formula {
         return Err(format!(
             "cell {cell} contains a formula and no value: open it in Excel or LibreOffice and save it again"
+        ));
+    }
+    if let Some(row) = tables.first().and_then(|sheet| sheet.hidden) {
+        return Err(format!(
+            "row {row} is hidden: show the hidden rows, or delete them, and save it again"
         ));
     }
     let with_cells = || found.iter().find(|sheet| !sheet.table.trim().is_empty());
@@ -156,8 +160,8 @@ fn column(name: &str) -> Option<usize> {
     number.checked_sub(1)
 }
 
-/// The table of a sheet, and the first cell with a formula whose value is not in the file.
-fn rows(document: &str, shared: &[String], most: u64) -> Result<(String, Option<String>), String> {
+/// A sheet without its name.
+fn rows(document: &str, shared: &[String], most: u64) -> Result<Sheet, String> {
     /// Columns of a sheet (ISO/IEC 29500, as Excel limits them).
     const MOST_COLUMNS: usize = 16_384;
     let too_large = || format!("the sheet has more than {} MB", most / 1_000_000);
@@ -167,11 +171,17 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<(String, Option<
     let mut longest = 0;
     let (mut value, mut is_value) = (String::new(), false);
     let (mut name, mut is_formula, mut formula) = (String::new(), false, None);
+    let mut hidden = None;
     for part in parts(document) {
         match part {
             Part::Start("row", given) => {
                 let number = attribute(given, "r").and_then(|number| number.parse().ok());
                 let number: usize = number.unwrap_or(lines + 1);
+                let is_hidden =
+                    attribute(given, "hidden").is_some_and(|it| it == "1" || it == "true");
+                if is_hidden {
+                    hidden.get_or_insert(number);
+                }
                 let skipped = number.saturating_sub(lines + 1);
                 if (text.len() + skipped) as u64 > most {
                     return Err(too_large());
@@ -230,7 +240,13 @@ fn rows(document: &str, shared: &[String], most: u64) -> Result<(String, Option<
             return Err(too_large());
         }
     }
-    Ok((text, formula))
+    Ok(Sheet {
+        name: String::new(),
+        rows: rows_of_numbers(&text),
+        table: text,
+        formula,
+        hidden,
+    })
 }
 
 #[cfg(test)]
@@ -245,17 +261,20 @@ mod tests {
         assert_eq!(shared, ["Load", "[mN]"]);
         let sheet = "<sheetData><row r=\"2\"><c r=\"A2\" t=\"s\"><v>0</v></c><c r=\"C2\" t=\"inlineStr\"><is><t>z</t></is></c></row>\
                      <row><c><v>1.5</v></c><c/><c><v>2</v></c></row></sheetData>";
-        let read = rows(sheet, &shared, 1000).map(|(text, _)| text);
+        let read = rows(sheet, &shared, 1000).map(|sheet| sheet.table);
         assert_eq!(read.as_deref(), Ok("\nLoad\t\tz\n1.5\t\t2\n"));
         // Rows end with their last cell that is not empty; the second one of 1/0.
         let sheet = "<row><c><v>a</v></c></row><row><c><v>x</v></c><c><v>y</v></c><c/></row><row><c><v>1</v></c></row>\
                      <row/><row><c t=\"e\"><f>1/0</f><v>#DIV/0!</v></c><c><v>2</v></c></row>";
-        let read = rows(sheet, &shared, 1000).map(|(text, _)| text);
+        let read = rows(sheet, &shared, 1000).map(|sheet| sheet.table);
         assert_eq!(read.as_deref(), Ok("a\nx\ty\n1\t\n\nn/a\t2\n"));
         // A formula that no program has computed.
         let sheet = "<row><c r=\"A1\"><f>1+1</f><v>2</v></c><c r=\"B1\"><f>A1*2</f><v/></c></row>";
-        let (_, formula) = rows(sheet, &shared, 1000).unwrap();
-        assert_eq!(formula.as_deref(), Some("B1"));
+        let found = rows(sheet, &shared, 1000).unwrap();
+        assert_eq!(found.formula.as_deref(), Some("B1"));
+        // Rows that a filter hides.
+        let sheet = "<row><c><v>1</v></c></row><row r=\"2\" hidden=\"1\"><c><v>2</v></c></row>";
+        assert_eq!(rows(sheet, &shared, 1000).unwrap().hidden, Some(2));
         assert_eq!(column("AB12"), Some(27));
         assert_eq!(rows_of_numbers("x\ty\nnote\t1,5\t2\n"), 1);
         assert_eq!(rows_of_numbers("radius\t2\tmm\n3\n"), 0);

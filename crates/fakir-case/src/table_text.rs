@@ -66,7 +66,15 @@ pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
     match bytes {
         [0xff, 0xfe, rest @ ..] => wide(rest, u16::from_le_bytes),
         [0xfe, 0xff, rest @ ..] => wide(rest, u16::from_be_bytes),
-        _ if bytes.contains(&0) => None,
+        _ if bytes.contains(&0) => match zeros(bytes) {
+            Zeros::Odd => wide(bytes, u16::from_le_bytes),
+            Zeros::Even => wide(bytes, u16::from_be_bytes),
+            Zeros::Few => {
+                let text: Vec<u8> = bytes.iter().copied().filter(|byte| *byte != 0).collect();
+                Some(Cow::Owned(narrow_text(&text).into_owned()))
+            }
+            Zeros::Many => None,
+        },
         _ => Some(narrow_text(bytes)),
     }
     .map(|text| match text.contains('\r') && !text.contains('\n') {
@@ -75,6 +83,32 @@ pub fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
         false => text,
     })
     .map(|text| with_cells_in_one_line(&text).map_or(text, Cow::Owned))
+}
+
+/// Zeros among the bytes of a file.
+enum Zeros {
+    /// At most places of even or of odd numbers: text in UTF-16 without a byte order mark.
+    Even,
+    Odd,
+    /// A few, which some programs write at ends of lines.
+    Few,
+    Many,
+}
+
+fn zeros(bytes: &[u8]) -> Zeros {
+    /// Most zeros in a text.
+    const FEW: usize = 8;
+    let at = |first: usize| {
+        let every_other = bytes.iter().skip(first).step_by(2);
+        every_other.filter(|byte| **byte == 0).count()
+    };
+    let (even, odd) = (at(0), at(1));
+    match () {
+        () if even + odd <= FEW => Zeros::Few,
+        () if even == 0 && 5 * odd > 2 * bytes.len() => Zeros::Odd,
+        () if odd == 0 && 5 * even > 2 * bytes.len() => Zeros::Even,
+        () => Zeros::Many,
+    }
 }
 
 /// The text of bytes in UTF-8, with or without a byte order mark, or in Latin-1.
@@ -192,43 +226,64 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
     cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
-/// Whether a label of a row names a statistic of the other rows: `Mean`, `SD`.
+/// Whether a label of a row names a statistic of the other rows: `Mean`, `Std. Dev.`, `Average (n = 7)`, `95% CI`.
 #[must_use]
 pub fn is_statistic(label: &str) -> bool {
-    const STATISTICS: [&str; 27] = [
+    /// Words that may be followed by others.
+    const FIRST_WORDS: [&str; 22] = [
         "mean",
         "average",
+        "averages",
         "avg",
         "sd",
         "std",
         "stdev",
-        "std dev",
-        "standard deviation",
+        "stddev",
         "sem",
+        "median",
+        "mittelwert",
+        "mittel",
+        "durchschnitt",
+        "stabw",
+        "standardabweichung",
+        "moyenne",
+        "promedio",
+        "media",
+        "m\u{e9}dia",
+        "\u{441}\u{440}\u{435}\u{434}\u{43d}\u{435}\u{435}",
+        "\u{5e73}\u{5747}",
+        "\u{5e73}\u{5747}\u{503c}",
+    ];
+    const OTHERS: [&str; 19] = [
+        "standard deviation",
+        "standard error",
+        "se",
         "min",
         "max",
         "minimum",
         "maximum",
         "sum",
         "total",
-        "median",
         "variance",
         "range",
         "count",
         "cv",
         "rsd",
-        "mittelwert",
-        "mittel",
-        "stabw",
-        "standardabweichung",
+        "rms",
         "summe",
-        "moyenne",
+        "q1",
+        "q2",
+        "q3",
     ];
-    if !label.starts_with(char::is_alphabetic) {
-        return false;
-    }
-    let plain = label.trim_end_matches(':').replace('.', "");
-    STATISTICS.contains(&&plain.to_lowercase()[..])
+    let plain = label.trim().trim_end_matches(':').replace('.', "");
+    let plain = plain.to_lowercase();
+    let is_percentile = plain
+        .split_once('%')
+        .is_some_and(|(number, rest)| number.parse::<f64>().is_ok() && ["", " ci"].contains(&rest));
+    let first = plain.split([' ', '(', '\u{b1}', '=', ':']).next();
+    is_percentile
+        || OTHERS.contains(&&plain[..])
+        || first.is_some_and(|word| FIRST_WORDS.contains(&word))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::answer::Answer;
 use crate::error::{
-    PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_deprecations,
+    PYTHON, case_error, pillar_heights_error, solve_error, value_error, warn_of_file,
 };
 use crate::load::{Approached, approached, load, load_or_critical, path, plan};
 use crate::samples::{Field, arrays, floor_cells, points};
@@ -226,7 +226,7 @@ impl Asperities {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
         let case = file.asperity_case().map_err(|error| case_error(&error))?;
-        warn_of_deprecations(&file)?;
+        warn_of_file(&file)?;
         Ok(Self { case })
     }
 }

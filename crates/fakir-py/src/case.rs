@@ -1,7 +1,7 @@
 //! A system and a method, as described by a case file.
 
 use crate::asperities::Asperities;
-use crate::error::{PYTHON, case_error, value_error, warn_of_deprecations};
+use crate::error::{PYTHON, case_error, value_error, warn_of_file};
 use crate::flat::Flat;
 use crate::settings::{key, settings};
 use crate::surface::Surface;
@@ -109,7 +109,7 @@ impl Case {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
         let case = file.case().map_err(|error| case_error(&error))?;
-        warn_of_deprecations(&file)?;
+        warn_of_file(&file)?;
         Ok(Self { case })
     }
 

@@ -10,7 +10,7 @@ use fakir_inverse::spread::SpreadError;
 use fakir_study::StudyError;
 use fakir_study::approach::ApproachError;
 use fakir_study::surfaces::SurfaceVerifyError;
-use pyo3::exceptions::{PyFutureWarning, PyKeyboardInterrupt, PyValueError};
+use pyo3::exceptions::{PyFutureWarning, PyKeyboardInterrupt, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 use std::ffi::CString;
 
@@ -43,16 +43,21 @@ pub(crate) fn case_error(error: &fakir_case::CaseError) -> PyErr {
     ))
 }
 
-/// Warns the caller of the package, two stack levels up, of deprecated names in a file or in overrides.
-pub(crate) fn warn_of_deprecations(file: &CaseFile) -> PyResult<()> {
-    for text in file.deprecations() {
-        let text = CString::new(text).map_err(value_error)?;
-        Python::attach(|py| {
-            let category = py.get_type::<PyFutureWarning>();
+/// Warns the caller of the package, two stack levels up, of deprecated names in a file or in overrides, and of a lens axis outside the pillars.
+pub(crate) fn warn_of_file(file: &CaseFile) -> PyResult<()> {
+    Python::attach(|py| {
+        let warn = |category, text: String| {
+            let text = CString::new(text).map_err(value_error)?;
             PyErr::warn(py, &category, &text, 2)
-        })?;
-    }
-    Ok(())
+        };
+        for text in file.deprecations() {
+            warn(py.get_type::<PyFutureWarning>().into_any(), text)?;
+        }
+        for text in file.axis_outside() {
+            warn(py.get_type::<PyUserWarning>().into_any(), text)?;
+        }
+        Ok(())
+    })
 }
 
 /// Warns the caller of the package if `name` is a deprecated name of a key.

@@ -1,7 +1,7 @@
 //! Flat surfaces.
 
 use crate::answer::{Answer, warnings};
-use crate::error::{PYTHON, case_error, solve_error, warn_of_deprecations};
+use crate::error::{PYTHON, case_error, solve_error, warn_of_file};
 use crate::load::{Approached, approached, load, path, plan};
 use crate::samples::{Field, arrays};
 use crate::settings::settings;
@@ -102,7 +102,7 @@ impl Flat {
             file.set(setting).map_err(|error| case_error(&error))?;
         }
         let case = file.flat_case().map_err(|error| case_error(&error))?;
-        warn_of_deprecations(&file)?;
+        warn_of_file(&file)?;
         Ok(Self { file, case })
     }
 

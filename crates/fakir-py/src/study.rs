@@ -1,6 +1,6 @@
 //! Sweeps: studies, and the ledger that stores their results.
 
-use crate::error::{study_error, value_error, warn_of_deprecations};
+use crate::error::{study_error, value_error, warn_of_file};
 use crate::watched::{check_signals, stoppable};
 use fakir::state::CancelToken;
 use fakir_case::StudyFile;
@@ -89,7 +89,7 @@ impl Study {
             let set = file.set(setting);
             set.map_err(|error| study_error(&error.into()))?;
         }
-        warn_of_deprecations(file.case())?;
+        warn_of_file(file.case())?;
         let study = file.study().map_err(|error| study_error(&error.into()))?;
         Ok(Self {
             study: Arc::new(study),

@@ -2,7 +2,7 @@
 
 use crate::answer::{Answer, warnings};
 use crate::error::{
-    PYTHON, case_error, solve_error, surface_verify_error, value_error, warn_of_deprecations,
+    PYTHON, case_error, solve_error, surface_verify_error, value_error, warn_of_file,
 };
 use crate::load::{Approached, approached, load, load_or_critical, path, plan};
 use crate::settings::{BodySettings, by_key, settings};
@@ -488,7 +488,7 @@ impl Surface {
         let case = case.map_err(|error| case_error(&error))?;
         file.refuse_absurd_heights(&case)
             .map_err(|error| case_error(&error))?;
-        warn_of_deprecations(&file)?;
+        warn_of_file(&file)?;
         Ok(Self::of_case(case, file))
     }
 

@@ -387,6 +387,7 @@ fn text(surfaces: &str, fitted: &CurveFits, wall_time: f64) -> String {
     let all: Vec<(usize, Parameter)> = fitted.free.iter().copied().enumerate().collect();
     text += &curves_table(&all, &fitted.curves);
     text.push('\n');
+    text += &remarks(&fitted.curves);
     let of = fitted.free.iter().zip(&fitted.statistics);
     let found: Vec<(Parameter, Statistics)> = of
         .filter_map(|(parameter, found)| Some((*parameter, found.clone()?)))
@@ -416,6 +417,28 @@ fn text(surfaces: &str, fitted: &CurveFits, wall_time: f64) -> String {
         }
     }
     text
+}
+
+/// What is to be known of how each file was read, if there is anything.
+fn remarks(curves: &[CurveFit]) -> String {
+    /// Most files, so that the results remain in sight.
+    const MOST: usize = 20;
+    let fitted = curves.iter().enumerate();
+    let fitted = fitted.filter_map(|(number, curve)| {
+        let remarks = curve.outcome.as_ref().ok()?.data.layout().remarks();
+        let words = format!("{}  {}: {}\n", number + 1, curve.name, remarks.join("; "));
+        (!remarks.is_empty()).then_some(words)
+    });
+    let mut lines: Vec<String> = fitted.collect();
+    let more = lines.len().saturating_sub(MOST);
+    lines.truncate(MOST);
+    if more > 0 {
+        lines.push(format!("and {more} more files with remarks\n"));
+    }
+    if !lines.is_empty() {
+        lines.push("\n".to_owned());
+    }
+    lines.concat()
 }
 
 /// A probability with two digits.
@@ -454,6 +477,7 @@ fn text_of_joint(surfaces: &str, fitted: &JointFit, wall_time: f64) -> String {
     let own = fitted.free.iter().copied().enumerate();
     let own: Vec<(usize, Parameter)> = own.filter(|(_, free)| !is_shared(free)).collect();
     text += &format!("\n{}\n", curves_table(&own, &fitted.curves));
+    text += &remarks(&fitted.curves);
     for (a, one) in fitted.shared.iter().enumerate() {
         for (b, other) in fitted.shared.iter().enumerate().take(a) {
             if let Some(correlation) = fitted.correlation[a][b] {

@@ -4,7 +4,7 @@ use super::column::DataError;
 use super::options::MOST_STARTS;
 use super::parameter::Parameter;
 use fakir::state::SolveError;
-use fakir_case::CaseError;
+use fakir_case::{CaseError, Key};
 
 /// Why there is no fit.
 #[derive(Debug, thiserror::Error)]
@@ -92,6 +92,16 @@ pub enum FitError {
         name: String,
         /// The parameter.
         parameter: Parameter,
+    },
+    /// A work of adhesion on loading, but the data begin with an unloading from an unknown load.
+    #[error(
+        "{name}: {} takes rows of the loading, or the row at which it ended, if {} differs from it: what adheres on unloading depends on both",
+        Key::WorkOfAdhesion,
+        Key::RecedingWorkOfAdhesion
+    )]
+    NoLoading {
+        /// The file.
+        name: String,
     },
     /// A work of adhesion without an initial value in case or data.
     #[error(

@@ -127,9 +127,15 @@ impl Layout {
             format!("{}: {place}{unit}{sign}{hand}", column.quantity())
         };
         let mut lines: Vec<String> = self.columns.iter().map(of).collect();
-        lines.extend(self.skipped.iter().map(Skipped::words));
-        lines.extend(self.notes.iter().cloned());
+        lines.extend(self.remarks());
         lines
+    }
+
+    /// What was skipped, and what else is to be known of how the file was read.
+    #[must_use]
+    pub fn remarks(&self) -> Vec<String> {
+        let skipped = self.skipped.iter().map(Skipped::words);
+        skipped.chain(self.notes.iter().cloned()).collect()
     }
 
     /// Number of rows that were skipped.
@@ -228,6 +234,25 @@ pub struct NamedColumn {
     pub(super) branch: Option<Branch>,
 }
 
+/// The number and the unit of one count: `25 nm`, `25 nm/step`.
+fn of_counts(factor: &str) -> Option<(String, String)> {
+    const COUNTS: [&str; 8] = [
+        "step", "count", "bit", "digit", "lsb", "pulse", "tick", "px",
+    ];
+    let factor = factor.trim();
+    let of = match factor.rsplit_once('/') {
+        Some((of, count)) => {
+            let count = count.trim().to_lowercase();
+            let count = count.strip_suffix('s').unwrap_or(&count);
+            COUNTS.contains(&count).then_some(of)?
+        }
+        None => factor,
+    };
+    let (number, unit) = of.trim().split_once(' ')?;
+    let is_known = number.parse::<f64>().is_ok() && is_unit(unit.trim());
+    is_known.then(|| (number.to_owned(), unit.trim().to_owned()))
+}
+
 impl NamedColumn {
     /// Combines the name of a quantity and a heading; a minus sign before the heading reverses the sign of
     /// the values, and sensitivities after it convert them: `Deflection [V]*25 nN/V`. The quantity `deflection` is that of a
@@ -261,6 +286,15 @@ impl NamedColumn {
             factors.insert(0, factor.trim().to_owned());
             heading = before.trim();
         }
+        // A number of counts or steps.
+        let of_counts = heading.rsplit_once('*').and_then(|(before, factor)| {
+            let (number, unit) = of_counts(factor)?;
+            Some((format!("{} [{unit}]", before.trim()), number))
+        });
+        if let Some((_, number)) = &of_counts {
+            factors.insert(0, number.clone());
+        }
+        let heading = of_counts.as_ref().map_or(heading, |(heading, _)| heading);
         if heading.is_empty() {
             return Err(format!(
                 "{quantity}: give the heading of its column, as in {quantity}=\"Channel 2 [{}]\"",

@@ -7,6 +7,8 @@ use super::reading::{Reader, RowValues};
 use fakir::state::Branch;
 use fakir_case::input::LARGEST_TABLE;
 use fakir_case::table_text::read_table;
+use fakir_case::unit::{Dimension, format_quantity};
+use std::ops::Range;
 use std::path::Path;
 
 /// Kind of the measured position of the lens.
@@ -115,6 +117,8 @@ pub struct Measurements {
     position: Position,
     rows: Vec<Measurement>,
     layout: Layout,
+    /// See [`turning_load`](Self::turning_load).
+    turn: Option<f64>,
 }
 
 impl Measurements {
@@ -214,6 +218,75 @@ impl Measurements {
         self.rows = rows;
     }
 
+    /// The load at which the loading ended, as it was read, if it is known and larger than those of all rows: of a row that was not selected, or in
+    /// which nothing but the position was measured. The unloading begins there, and what adheres then depends on it.
+    #[must_use]
+    pub fn turning_load(&self) -> Option<f64> {
+        self.turn
+    }
+
+    /// Adds notes if a load cell seems to have been at its limit, and if rows are there several times.
+    fn note_repeated_rows(&mut self) {
+        /// Fewest rows with one force, and rows of a file of which they are one.
+        const FEWEST: usize = 5;
+        const ONE_OF: usize = 50;
+        /// Force, over the largest magnitude, from which a limit is likely: small forces are equal as they are rounded.
+        const LARGE: f64 = 0.3;
+        let force = |row: &Measurement| row.force.map_or(f64::NAN, |force| force.value);
+        let forces: Vec<f64> = self.rows.iter().map(force).collect();
+        let loads = self.loads();
+        let largest = forces
+            .iter()
+            .fold(0.0, |most: f64, force| most.max(force.abs()));
+        let ends = [f64::min, f64::max].map(|end| forces.iter().copied().reduce(end));
+        let is_end = |force: f64| ends.contains(&Some(force)) && force.abs() > LARGE * largest;
+        let equal = forces.chunk_by(|one, other| one.total_cmp(other).is_eq());
+        let mut first = 0;
+        let mut notes = Vec::new();
+        for run in equal {
+            let rows = first..first + run.len();
+            first = rows.end;
+            let has_moved = loads[rows.start].total_cmp(&loads[rows.end - 1]).is_ne();
+            let is_long = run.len() >= FEWEST.max(forces.len() / ONE_OF);
+            if self.position != Position::None && is_long && has_moved && is_end(run[0]) {
+                let force = format_quantity(run[0], Dimension::Force);
+                let lines = [rows.start, rows.end - 1].map(|row| self.rows[row].line);
+                notes.push(format!(
+                    "{} rows, lines {} to {}, have the same force of {force}, the farthest from zero on its side: if the load cell was at its limit, leave them out",
+                    run.len(),
+                    lines[0],
+                    lines[1]
+                ));
+            }
+        }
+        let pairs = self.rows.windows(2);
+        let repeated = pairs.filter(|pair| {
+            let same = |of: fn(&Measurement) -> Option<Measured>| of(&pair[0]) == of(&pair[1]);
+            same(|row| row.position) && same(|row| row.force) && same(|row| row.contact_radius)
+        });
+        let repeated = repeated.count();
+        if 5 * repeated >= 2 * self.rows.len() && repeated >= FEWEST {
+            notes.push(format!(
+                "{repeated} rows repeat the one before them, which makes the errors too small: leave them out"
+            ));
+        }
+        self.layout.notes.extend(notes);
+    }
+
+    /// Keeps the load of a row that is left out if the loading ended there, and notes it.
+    pub(super) fn keep_turn(&mut self, load: f64, line: u64) {
+        let loads = self.loads();
+        let largest = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let has_unloading = self.branches().contains(&Branch::Unloading);
+        if has_unloading && load > largest.max(self.turn.unwrap_or(f64::NEG_INFINITY)) {
+            self.turn = Some(load);
+            let load = format_quantity(load, self.load_dimension());
+            self.layout.notes.push(format!(
+                "the unloading begins at {load}, in line {line}, which is not used otherwise"
+            ));
+        }
+    }
+
     /// Sets a standard error of the force (N) if none was given.
     #[must_use]
     pub fn with_force_error(mut self, error: f64) -> Self {
@@ -286,39 +359,45 @@ impl Measurements {
             .collect()
     }
 
-    /// Checks that cycles whose branches follow from the motion are equal, because a fit with adhesion treats all rows as
-    /// one cycle.
+    /// Checks that cycles of loading and unloading are alike, because a fit with adhesion treats all rows as one cycle.
     pub(super) fn check_cycles(&self) -> Result<(), DataError> {
-        if self.rows.iter().any(|row| row.branch.is_some()) {
-            return Ok(());
-        }
         let loads = self.loads();
         let least_change = TURN * range(&loads);
-        let branches = branches_of(&loads);
-        let is_start = |k: &usize| {
-            *k == 0 || branches[*k] == Branch::Loading && branches[*k - 1] == Branch::Unloading
+        let has_branches = self.rows.iter().any(|row| row.branch.is_some());
+        let branches = self.branches();
+        let largest = |cycle: &Range<usize>| {
+            let loads = loads[cycle.clone()].iter().copied();
+            loads.fold(f64::NEG_INFINITY, f64::max)
         };
-        let starts: Vec<usize> = (0..loads.len()).filter(is_start).collect();
-        let ends = starts.iter().skip(1).copied().chain([loads.len()]);
-        let cycles: Vec<&[f64]> = starts
-            .iter()
-            .zip(ends)
-            .map(|(a, b)| &loads[*a..b])
-            .collect();
-        let largest = |cycle: &[f64]| cycle.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let turn = largest(&loads);
-        for (cycle, start) in cycles.iter().zip(&starts) {
-            let why = if turn - largest(cycle) > least_change {
+        let turn = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        for cycle in self.cycles() {
+            // Of branches that are given, a cycle may be part of one that turns elsewhere.
+            let is_whole = !has_branches
+                || [Branch::Loading, Branch::Unloading]
+                    .iter()
+                    .all(|branch| branches[cycle.clone()].contains(branch));
+            let before = loads[cycle.start.saturating_sub(1)] - loads[0];
+            let why = if is_whole && turn - largest(&cycle) > least_change {
                 "turns at a smaller load than another"
-            } else if loads[start.saturating_sub(1)] - loads[0] > least_change {
+            } else if !has_branches && before > least_change {
                 "begins before the lens is back where the first began"
             } else {
                 continue;
             };
-            let lines = [*start, start + cycle.len() - 1].map(|row| self.rows[row].line);
+            let lines = [cycle.start, cycle.end - 1].map(|row| self.rows[row].line);
+            let positions = [Column::Displacement, Column::Indentation];
+            let mut columns = self.layout.columns.iter();
+            let position = columns.find(|read| {
+                let is_position = |column| positions.contains(&column);
+                read.column.is_some_and(is_position) && !read.is_canonical() && !read.negated
+            });
+            let sign = position.map_or(String::new(), |read| {
+                let heading = &read.heading;
+                format!("; or give displacement=\"-{heading}\" if the position decreases as the lens moves down")
+            });
             let problem = format!(
-                "lines {} to {} are a cycle of loading and unloading that {why}: with adhesion a fit takes cycles that are alike; leave these lines \
-                 out, or give a column branch with loading or unloading in every line",
+                "lines {} to {} are a cycle of loading and unloading that {why}: with adhesion a fit takes cycles that are alike; choose one \
+                 (--cycle 1, in Python cycle=1), or fit each by itself{sign}",
                 lines[0], lines[1]
             );
             return Err(Reader { name: &self.name }.fail(Some(lines[0]), None, problem));
@@ -494,14 +573,25 @@ impl Reader<'_> {
             position,
             rows: Vec::new(),
             layout,
+            turn: None,
         };
         let mut not_measured = Vec::new();
+        let mut farthest: Option<(f64, u64)> = None;
+        let mut passed: Option<(f64, u64)> = None;
         for (line, cells) in rows {
             let row = self.measurement(line, &cells)?;
             if row.is_usable() {
                 measurements.rows.push(row);
-            } else {
-                not_measured.push(line);
+                // Between rows that are used.
+                farthest = passed;
+                continue;
+            }
+            not_measured.push(line);
+            let position = row.position.filter(|_| !measurements.rows.is_empty());
+            if let Some(position) = position
+                && passed.is_none_or(|(load, _)| position.value > load)
+            {
+                passed = Some((position.value, line));
             }
         }
         if measurements.rows.is_empty() {
@@ -511,7 +601,11 @@ impl Reader<'_> {
         measurements
             .layout
             .skip(SkipReason::NotMeasured, not_measured);
+        if let Some((load, line)) = farthest {
+            measurements.keep_turn(load, line);
+        }
         measurements.note_cycles();
+        measurements.note_repeated_rows();
         Ok(measurements)
     }
 

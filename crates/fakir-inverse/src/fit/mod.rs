@@ -310,6 +310,8 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// Whether the rows are the history of viscoelastic bodies.
     pub is_viscoelastic: bool,
+    /// Line of the first row if the data begin with the unloading there, so that nothing shows at which load it began.
+    pub assumed_turn: Option<u64>,
     /// Whether the data have contact radii that were left out: on rounded tops and height maps, where they jump.
     pub radii_left_out: bool,
     /// The case with the fitted values.
@@ -566,6 +568,21 @@ fn check(
             });
         }
     }
+    let receding = Parameter::Key(Key::RecedingWorkOfAdhesion);
+    let has_receding = free.contains(&receding)
+        || subject::Subject::of(file)?
+            .adhesion()
+            .work_receding
+            .is_some();
+    if has_receding
+        && free.contains(&Parameter::Key(Key::WorkOfAdhesion))
+        && data.turning_load().is_none()
+        && !data.branches().contains(&Branch::Loading)
+    {
+        return Err(FitError::NoLoading {
+            name: data.name().to_owned(),
+        });
+    }
     if !options.contact_point.unwrap_or(0.0).is_finite() {
         return Err(FitError::NotFinite("the contact point"));
     }
@@ -590,6 +607,18 @@ fn check(
         return Err(FitError::TooManyStarts(options.starts));
     }
     Ok(())
+}
+
+/// Whether the loads of rows, each with its residual, go one way, but for a hold in which they are only noise. Their residuals are then compared in the
+/// order of the rows: sorted by noisy loads, those of a hold follow the noise.
+fn moves_on(rows: &[(f64, f64)]) -> bool {
+    /// Largest part of the way that goes back.
+    const BACK: f64 = 0.25;
+    let steps = rows.windows(2).map(|pair| pair[1].0 - pair[0].0);
+    let (forward, back) = steps.fold((0.0, 0.0), |(forward, back), step: f64| {
+        (forward + step.max(0.0), back + (-step).max(0.0))
+    });
+    forward.min(back) <= BACK * (forward + back)
 }
 
 /// A value compared with the model.
@@ -1186,7 +1215,9 @@ impl<'a> Search<'a> {
                         (load, residuals[k])
                     })
                     .collect();
-                of.sort_by(|a, b| a.0.total_cmp(&b.0));
+                if !moves_on(&of) {
+                    of.sort_by(|a, b| a.0.total_cmp(&b.0));
+                }
                 let ordered: Vec<f64> = of.into_iter().map(|(_, residual)| residual).collect();
                 tests.extend(RunsTest::new(quantity, branch, &ordered));
             }
@@ -1497,6 +1528,7 @@ impl<'a> Search<'a> {
             method: settings.case.method_name(),
             pull_off,
             is_viscoelastic: self.model.is_viscoelastic,
+            assumed_turn: self.model.assumed_turn(),
             radii_left_out: false,
             file: self.model.file(&self.unknowns),
             termination,

@@ -1136,7 +1136,28 @@ impl<'a> Model<'a> {
         let rows = self.data.rows().iter().zip(&self.moments);
         let position = self.data.position();
         let loads = rows.map(|(row, moment)| settings.load(position, load_of(row), *moment));
-        loads.fold(f64::NEG_INFINITY, f64::max)
+        let largest = loads.fold(f64::NEG_INFINITY, f64::max);
+        match self.data.turning_load() {
+            Some(turn) => largest.max(settings.load(position, turn, self.moment_of_turn())),
+            None => largest,
+        }
+    }
+
+    /// The line of the first row if the unloading is only taken to begin there, as the data have no loading; `None` without adhesion.
+    pub(super) fn assumed_turn(&self) -> Option<u64> {
+        let is_loading = |branch: &&Branch| **branch == Branch::Loading;
+        let is_alone =
+            self.branches.len() > 2 && self.branches.iter().filter(is_loading).count() < 2;
+        let is_assumed = self.is_adhesive && is_alone && self.data.turning_load().is_none();
+        let first = self.data.rows().first().filter(|_| is_assumed);
+        first.map(|row| row.line)
+    }
+
+    /// When a loading ended whose last row is not among the data: as the first row of the unloading.
+    fn moment_of_turn(&self) -> f64 {
+        let rows = self.branches.iter().zip(&self.moments);
+        let mut unloading = rows.filter(|(branch, _)| **branch == Branch::Unloading);
+        unloading.next().map_or(1.0, |(_, moment)| *moment)
     }
 
     /// The states on a flat surface. Its curve has no jumps but those of touching and detaching, and the data show [on which side of them](attached) a

@@ -18,7 +18,7 @@ const OUT_OF_CONTACT: f64 = 0.1;
 
 /// Detects reversed signs. The force is near zero at one end of the positions and largest at the other one, where the lens is in contact: there the
 /// position is the largest one, and the force is positive. If `is_open`, no sign is known, and the force may have an offset: contact is
-/// at the end where the force changes most.
+/// at the end where the force changes most. So it is for a load cell that was not set to zero, if the lens also turned there.
 pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     let value = |row: &RowValues, wanted: &[Column]| {
         let mut values = row.iter().filter(|(column, _)| wanted.contains(column));
@@ -32,7 +32,33 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     if points.len() < FEWEST_ROWS {
         return Reversed::default();
     }
+    let turns_high = turning_end(&points);
     points.sort_by(|one, other| one[0].total_cmp(&other[0]));
+    let found = signs_at_ends(&points, is_open);
+    let is_confirmed =
+        |found: &Reversed| turns_high.is_some_and(|is_high| is_high != found.position);
+    let with_offset = || signs_at_ends(&points, true).filter(is_confirmed);
+    found.or_else(with_offset).unwrap_or_default()
+}
+
+/// Whether the lens turned at the largest of the positions, in their order, or at the smallest one; `None` if both or none of them are at the beginning
+/// or the end.
+fn turning_end(points: &[[f64; 2]]) -> Option<bool> {
+    let margin = points.len() / 20 + 1;
+    let is_inside = |sign: f64| {
+        let places = points.iter().map(|point| sign * point[0]).enumerate();
+        let farthest = places.max_by(|one, other| one.1.total_cmp(&other.1));
+        farthest.is_some_and(|(place, _)| place >= margin && place + margin < points.len())
+    };
+    match [is_inside(1.0), is_inside(-1.0)] {
+        [true, false] => Some(true),
+        [false, true] => Some(false),
+        _ => None,
+    }
+}
+
+/// The signs that the forces at both ends of the positions show, which are in their order; `None` if they show none.
+fn signs_at_ends(points: &[[f64; 2]], is_open: bool) -> Option<Reversed> {
     let count = points.len();
     let mean = |points: &[[f64; 2]]| {
         points.iter().map(|point| point[1]).sum::<f64>() / points.len() as f64
@@ -55,7 +81,7 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
             [changes[1], changes[0]]
         };
         if 3.0 * least > most {
-            return Reversed::default();
+            return None;
         }
     }
     let (contact, other) = if is_high { (high, low) } else { (low, high) };
@@ -63,16 +89,16 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     let largest = points.iter().map(|point| (point[1] - offset).abs());
     let largest = largest.fold(0.0, f64::max);
     if other.abs() > OUT_OF_CONTACT * contact.abs() || contact.abs() < 0.5 * largest {
-        return Reversed::default();
+        return None;
     }
     let end = if is_high { count - 1 } else { 0 };
-    if contact < 0.0 && pulls_more_before(&points, points[end][0], offset) {
-        return Reversed::default();
+    if contact < 0.0 && pulls_more_before(points, points[end][0], offset) {
+        return None;
     }
-    Reversed {
+    Some(Reversed {
         position: !is_high,
         force: contact < 0.0,
-    }
+    })
 }
 
 /// Whether a force that is negative at the end of the positions in contact is more so at a distance from it. A compression
@@ -134,6 +160,22 @@ mod tests {
             // An offset is more than a known sign can be compared with.
             assert_eq!(reversed(&rows(signs, 100.0), true), found);
             assert_eq!(reversed(&rows(signs, 100.0), false), Reversed::default());
+        }
+        // Approach and withdrawal with a load cell that was not set to zero: the lens turns in contact.
+        for (signs, position, force) in [
+            ([1.0, 1.0], false, false),
+            ([1.0, -1.0], false, true),
+            ([-1.0, 1.0], true, false),
+            ([-1.0, -1.0], true, true),
+        ] {
+            let mut both = rows(signs, -20.0);
+            both.extend(rows(signs, -20.0).into_iter().rev().skip(1));
+            assert_eq!(reversed(&both, false), Reversed { position, force });
+            // Withdrawal first: it turns out of contact.
+            let (_, first) = both.split_at(20);
+            let withdrawn: Vec<(u64, RowValues)> =
+                first.iter().chain(&both[..20]).cloned().collect();
+            assert_eq!(reversed(&withdrawn, false), Reversed::default());
         }
         // A pull-off that is larger than the load is no compression.
         let pull = |step: u32| {

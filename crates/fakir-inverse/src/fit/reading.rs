@@ -18,10 +18,12 @@ use super::segments::{
     Segments, is_of_afmformats, spring_constant_of_afmformats, units_of_afmformats, value_of,
 };
 use super::units::{Scale, example_unit, is_unit};
+use fakir::numerics::convergence::within;
 use fakir::state::Branch;
 use fakir_case::table_text::{is_statistic, text_of};
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::iter;
 
 /// The error for a file that contains zeros or damaged characters.
 const NO_TEXT: &str =
@@ -95,6 +97,15 @@ fn candidate(place: usize, heading: &str, hints: &Hints) -> Option<Candidate> {
         factors: Vec::new(),
         branch: None,
     })
+}
+
+/// Whether two units of a quantity are not the same.
+fn differ(column: Column, one: &str, other: &str, factors: &[String]) -> bool {
+    let value = |unit: &str| Scale::of(column, unit, factors).ok()?.value("1");
+    match (value(one), value(other)) {
+        (Some(one), Some(other)) => !within((one - other).abs(), 1e-9 * one.abs()),
+        _ => false,
+    }
 }
 
 /// Whether the user named the column of a quantity, which is then not searched for in other columns.
@@ -219,6 +230,16 @@ impl Reader<'_> {
                 let below = units
                     .get(place)
                     .map(|unit| without_brackets(unit).to_owned());
+                let added = candidate.unit.as_ref().filter(|_| candidate.by_hand);
+                let added = added.filter(|_| split_unit(heading).1.is_none());
+                if let (Some(added), Some(below)) = (added, &below)
+                    && differ(column, added, below, &candidate.factors)
+                {
+                    let problem = format!(
+                        "named by hand in {added}, but the row of units says {below}: leave the unit out, or correct the row"
+                    );
+                    return Err(fail(heading, problem));
+                }
                 let unit = candidate.unit.or(below.filter(|unit| !unit.is_empty()));
                 let scale = match &unit {
                     _ if column == Column::Branch => Ok(None),
@@ -415,11 +436,6 @@ impl Reader<'_> {
     /// The table of a file.
     pub(super) fn table(&self, bytes: &[u8], hints: &Hints) -> Result<Table, DataError> {
         let text = self.text(bytes)?;
-        let text = if text.contains('\n') {
-            text
-        } else {
-            Cow::Owned(text.replace('\r', "\n"))
-        };
         let lines: Vec<&str> = text
             .split('\n')
             .map(|line| line.trim_end_matches('\r'))
@@ -449,6 +465,10 @@ impl Reader<'_> {
             first,
             headings,
         } = place;
+        let of_branches =
+            line.and_then(|line| below_branches(&lines[..line], separator, &headings));
+        let headings = of_branches.unwrap_or(headings);
+        let of_labview = line.and_then(|line| units_of_labview(&lines[..line], &headings));
         let mut first = first;
         let header = segments.as_ref().map_or(&[][..], |_| &lines[..first]);
         let label = header
@@ -458,6 +478,7 @@ impl Reader<'_> {
         let units = match segments {
             Some(segments) => segments.units,
             None if is_of_afmformats => units_of_afmformats(&headings),
+            None if of_labview.is_some() => of_labview.unwrap_or_default(),
             None => match unit_row(&lines, first, separator, &headings, &hints) {
                 Some((after, units)) => {
                     first = after;
@@ -508,6 +529,8 @@ impl Reader<'_> {
             if cells.len() != headings.len() {
                 continue;
             }
+            evidence.add_line(text);
+            of_others.add_line(text);
             let counted = cells.iter().zip(&mut seen).zip(&is_used);
             for ((cell, seen), is_used) in counted {
                 seen.add(cell);
@@ -1283,6 +1306,43 @@ fn are_numbers_below(lines: &[&str], separator: char, count: usize) -> bool {
     false
 }
 
+/// The headings with the branches that a line above them names, each over the first of its columns.
+fn below_branches(above: &[&str], separator: char, headings: &[String]) -> Option<Vec<String>> {
+    let line = above.last().filter(|_| separator != BLANKS)?;
+    let mut groups = cells(line, separator);
+    groups.resize(groups.len().max(headings.len()), String::new());
+    let is_group = |cell: &String| {
+        let found = split_branch(cell);
+        cell.is_empty() || found.is_some_and(|(_, rest)| rest.is_empty())
+    };
+    let named = groups.iter().filter(|cell| !cell.is_empty()).count();
+    if groups.len() != headings.len() || named != 2 || !groups.iter().all(is_group) {
+        return None;
+    }
+    let mut group = String::new();
+    let columns = groups.iter().zip(headings).map(|(cell, heading)| {
+        if !cell.is_empty() {
+            group.clone_from(cell);
+        }
+        format!("{group} {heading}").trim().to_owned()
+    });
+    Some(columns.collect())
+}
+
+/// The units of the columns in the header of a file of LabVIEW measurements (.lvm), whose first column is the time.
+fn units_of_labview(above: &[&str], headings: &[String]) -> Option<Vec<String>> {
+    let is_header = above
+        .iter()
+        .any(|line| line.starts_with("LabVIEW Measurement"));
+    let units = above
+        .iter()
+        .rev()
+        .find(|line| line.starts_with("Y_Unit_Label"));
+    let units = units.filter(|_| is_header && headings[0] == "X_Value")?;
+    let own = units.split('\t').skip(1).map(str::trim);
+    Some(iter::once("s").chain(own).map(str::to_owned).collect())
+}
+
 /// Headings that are separated by blanks: each word with the bracket after it, or words that two blanks or more separate.
 fn blank_headings(text: &str) -> [Vec<String>; 2] {
     let mut words: Vec<String> = Vec::new();
@@ -1313,7 +1373,10 @@ fn row_separator(lines: &[&str], first: usize, separator: char, count: usize) ->
         .filter(|line| comment(line).is_none());
     let of_row = |line: &&str| {
         let is_row = |separator: &&char| {
-            let cells = cells(line, **separator);
+            let mut cells = cells(line, **separator);
+            while cells.len() > count && cells.last().is_some_and(String::is_empty) {
+                cells.pop();
+            }
             cells.len() == count && cells.iter().any(|cell| is_number(cell))
         };
         separators.iter().find(is_row).copied()

@@ -139,6 +139,11 @@ impl Fit {
                 .as_ref()
                 .map_or(Vec::new(), FittedCycle::warnings),
         );
+        if let Some(line) = self.assumed_turn {
+            warnings.push(format!(
+                "the data begin with the unloading: their first row (line {line}) is taken for the end of the loading, on which the adhesion on unloading depends; give the loading too, or its last row"
+            ));
+        }
         if self.radii_left_out {
             warnings.push(
                 "contact radii are left out: on rounded tops and height maps they jump from one top to the next"

@@ -139,6 +139,13 @@ impl Measurements {
                 && selection.from.is_none_or(|from| loads[row] >= from)
                 && selection.to.is_none_or(|to| loads[row] <= to)
         };
+        let in_cycles = cycles
+            .iter()
+            .filter(|cycle| (**cycle).clone().any(is_selected));
+        let turn = in_cycles
+            .flat_map(Clone::clone)
+            .max_by(|one, other| loads[*one].total_cmp(&loads[*other]));
+        let turn = turn.map(|row| (loads[row], self.rows()[row].line));
         let mut kept = Vec::new();
         let mut left = Vec::new();
         for (row, measurement) in self.rows().iter().enumerate() {
@@ -165,6 +172,9 @@ impl Measurements {
         }
         self.layout_mut().skip(SkipReason::NotSelected, left);
         self.replace_rows(kept);
+        if let Some((load, line)) = turn {
+            self.keep_turn(load, line);
+        }
         Ok(self)
     }
 }
