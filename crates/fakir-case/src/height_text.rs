@@ -137,8 +137,8 @@ enum Program {
     Zygo,
     /// Tables of the microscopes VK and VR of Keyence.
     Keyence,
-    /// Text of Nova, the program of NT-MDT.
-    Nova,
+    /// Text of SPIP, and of Nova of NT-MDT, whose lines do not begin with `#`.
+    Spip,
 }
 
 impl Program {
@@ -148,7 +148,8 @@ impl Program {
             ("Zygo XYZ Data File", Self::Zygo),
             ("Measured date", Self::Keyence),
             ("Gemessenes Datum", Self::Keyence),
-            ("File Format = ASCII", Self::Nova),
+            ("File Format = ASCII", Self::Spip),
+            ("# File Format = ASCII", Self::Spip),
         ];
         let start = start.trim_start_matches(['\u{feff}', '"']);
         let mut known = known.into_iter();
@@ -272,7 +273,7 @@ impl Reader<'_> {
     }
 
     /// Whether a line is part of the header of a program, which is read: of Zygo, whose heights are in micrometres and whose points are
-    /// counted; of Keyence, up to the title of the heights; of Nova, up to `Start of Data :`; or of `WSxM`.
+    /// counted; of Keyence, up to the title of the heights; of SPIP and Nova, up to `Start of Data :` or a number; or of `WSxM`.
     fn is_header_of_program(&mut self, line: usize, text: &str) -> Result<bool, HeightMapError> {
         /// Line and place of the distance of points, m.
         const RESOLUTION: (usize, usize) = (8, 6);
@@ -315,11 +316,20 @@ impl Reader<'_> {
                     }
                 }
             }
-            Program::Nova => {
-                is_last = text.trim_start().starts_with("Start of Data");
+            Program::Spip => {
+                // Lines of a description have any text.
+                let between = |c: char| c.is_whitespace() || SEPARATORS.contains(&c);
+                let first = text.trim_start().split(between).next();
+                if first.is_some_and(|word| single(word).is_some()) {
+                    self.program = None;
+                    return Ok(false);
+                }
+                let text = text.trim_start_matches(['#', ' ']);
+                is_last = text.starts_with("Start of ");
                 let named = text.split_once('=');
-                let named = named.map(|(name, value)| (name.trim(), value.trim()));
-                if named == Some(("DataScaleNeeded", "yes")) {
+                if named.is_some_and(|(name, value)| {
+                    name.trim() == "DataScaleNeeded" && value.trim().eq_ignore_ascii_case("yes")
+                }) {
                     return Err(self.source.no_map(format!(
                         "line {line}: its numbers are not heights before they are scaled: open it in Gwyddion and save it as text (ASCII data matrix)"
                     )));
@@ -503,17 +513,22 @@ impl Reader<'_> {
             source,
             header,
             mut stated,
-            columns,
+            mut columns,
             mut values,
             first_missing,
             list,
             ..
         } = self;
         let file = || source.file.to_owned();
-        let rows = values.len().checked_div(columns).unwrap_or(0);
+        let mut rows = values.len().checked_div(columns).unwrap_or(0);
         let [said_columns, said_rows] = header.counts;
-        let (said_columns, said_rows) =
-            (said_columns.unwrap_or(columns), said_rows.unwrap_or(rows));
+        let said_columns = said_columns.unwrap_or(columns);
+        let said_rows = said_rows.unwrap_or(rows);
+        // All numbers in one line, or one in each.
+        if (columns == 1 || rows == 1) && said_columns.checked_mul(said_rows) == Some(values.len())
+        {
+            (columns, rows) = (said_columns, said_rows);
+        }
         if (said_columns, said_rows) != (columns, rows) {
             return Err(HeightMapError::HeaderSize {
                 file: file(),
@@ -753,8 +768,9 @@ const REFUSED: [(&str, &str, &str); 2] = [
 ];
 
 impl Stated {
-    /// Takes the unit of the heights.
+    /// Takes the unit of the heights, as `nm` or `[nm]`.
     fn take_unit(&mut self, unit: &str) {
+        let unit = unit.trim_matches(['[', ']', '(', ')']).trim();
         let length = length_of(&format!("1 {unit}")).map(HeightUnit::Length);
         self.height_unit = Some(length.unwrap_or(HeightUnit::Other(unit.to_owned())));
     }

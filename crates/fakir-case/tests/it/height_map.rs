@@ -583,7 +583,8 @@ fn headers_of_programs_of_microscopes() {
     let nothing = GivenScale::default();
     let given = SCALE.into();
     let rows = "0 1 2 3\n10 11 12 13\n20 21 22 23\n";
-    let spip = "# File Format = ASCII\n# x-pixels = 4\n# y-pixels = 3\n# x-length = 8000\n# y-length = 3000\n# z-unit = nm\n# Start of Data:\n";
+    let spip = "# File Format = ASCII\n# x-pixels = 4\n# y-pixels = 3\n# x-length = 8000\n# y-length = 3000\n# z-unit = [nm]\n\
+                # description =\n# 3 scans\nOperator:\n# Start of Data:\n";
     let attocube = "# x-length: 8\n# y-length: 3\n# x-unit: um\n# y-unit: um\n# z-unit: nm\n";
     let nova = "File Format = ASCII\nCreated by Nova\nNX = 4\nNY = 3\nScale X = 2\nScale Y = 1\nUnit X = um\nUnit Data = nm\nScale Data = 1\n\
                 DataScaleNeeded = no\nStart of Data :\n";
@@ -623,7 +624,7 @@ fn headers_of_programs_of_microscopes() {
         let error = read_text(format!("{header}{rows}"), &nothing);
         error.expect_err(&header).to_string()
     };
-    let volts = error(spip.replace("z-unit = nm", "z-unit = V"));
+    let volts = error(spip.replace("z-unit = [nm]", "z-unit = V"));
     assert!(volts.contains("values in \"V\""), "{volts}");
     for header in [
         spip.replace("y-pixels = 3", "y-pixels = 5"),
@@ -632,7 +633,12 @@ fn headers_of_programs_of_microscopes() {
         let size = error(header);
         assert!(size.contains("its header states 4 and 5"), "{size}");
     }
-    let scaled = error(nova.replace("= no", "= yes"));
+    // All numbers in one line, and one in each.
+    for between in [" ", "\n"] {
+        let rows = rows.replace([' ', '\n'], between);
+        check(&read_text(format!("{spip}{rows}"), &nothing).unwrap());
+    }
+    let scaled = error(nova.replace("= no", "= Yes"));
     assert!(scaled.contains("Gwyddion"), "{scaled}");
 }
 
