@@ -529,6 +529,12 @@ impl Reader<'_> {
         {
             (columns, rows) = (said_columns, said_rows);
         }
+        if rows > 0 && said_columns == columns && said_rows.checked_mul(2) == Some(rows) {
+            return Err(source.no_map(format!(
+                "below its {said_rows} rows it has as many again, as SPIP writes the mask of points that were not measured: open it in Gwyddion and save \
+                 it as text (ASCII data matrix), or replace the heights of these points by NaN and remove the mask"
+            )));
+        }
         if (said_columns, said_rows) != (columns, rows) {
             return Err(HeightMapError::HeaderSize {
                 file: file(),

@@ -633,6 +633,9 @@ fn headers_of_programs_of_microscopes() {
         let size = error(header);
         assert!(size.contains("its header states 4 and 5"), "{size}");
     }
+    // SPIP writes a mask below the heights.
+    let mask = error(format!("{spip}{rows}"));
+    assert!(mask.contains("and remove the mask"), "{mask}");
     // All numbers in one line, and one in each.
     for between in [" ", "\n"] {
         let rows = rows.replace([' ', '\n'], between);
