@@ -41,7 +41,7 @@ const NETCDF: Format = format(
 );
 
 /// Formats by their first bytes.
-const BY_BYTES: [(&[u8], Format); 32] = [
+const BY_BYTES: [(&[u8], Format); 33] = [
     (b"GWYP", format("a Gwyddion file", GWYDDION, GWYDDION)),
     (b"GWYO", format("a Gwyddion file", GWYDDION, GWYDDION)),
     (
@@ -98,6 +98,10 @@ const BY_BYTES: [(&[u8], Format); 32] = [
     (
         b"DSCOMPRESSED",
         format("a Digital Surf file", NO_TABLE, GWYDDION),
+    ),
+    (
+        b"Wyko ASCII Data File Format",
+        format("a text of Wyko or Vision", NO_TABLE, GWYDDION),
     ),
     (b"DSAA", format("a Surfer grid", NO_TABLE, GWYDDION)),
     (b"DSBB", format("a Surfer grid", NO_TABLE, GWYDDION)),

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `.npy` | an array of two dimensions, rows and columns, of floating-point numbers (4 or 8 bytes) or integers, in C or Fortran order |
 //! | `.npz` | one such array of an archive: the one named, or the only one |
-//! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is read, and what Gwyddion writes before a matrix (`# Width: 10 um`) |
+//! | any other | rows of numbers separated by blanks, commas or semicolons, or numbers with decimal commas separated by blanks or semicolons; `#` begins a comment; an ESRI ASCII grid header is read, and what Gwyddion, SPIP, Attocube, Keyence and Nova write before a matrix (`# Width: 10 um`) |
 //! | any other | three columns x, y, z of the points of a grid, in any order |
 //! | SDF, X3P | the formats of ISO 25178, parts 71 and 72 |
 //! | PNG, TIFF | a grey image of 16 bits; a TIFF image of floating-point numbers |
@@ -202,9 +202,12 @@ pub fn is_height_map(path: &Path, contents: &[u8]) -> bool {
         return true;
     }
     let start = String::from_utf8_lossy(&contents[..contents.len().min(100_000)]);
+    if height_text::is_of_program(&start) {
+        return true;
+    }
     let rows = start.lines().filter(|line| {
         let line = line.trim();
-        !line.is_empty() && !line.starts_with(['#', '%'])
+        !line.is_empty() && !line.starts_with(['#', '%']) && !line.starts_with("//")
     });
     let separators: &[char] = &[' ', '\t', ',', ';'];
     let numbers = |line: &str| {

@@ -182,7 +182,18 @@ pub enum HeightMapError {
         /// Numbers in the others.
         expected: usize,
     },
-    /// The size of an ESRI ASCII grid differs from its header.
+    /// Several maps in one text.
+    #[error(
+        "{file}, line {line}: another map begins below the rows of the first one, and a file is read as one map: save one map alone; \
+         if the rows are of one map, remove the lines without numbers between them"
+    )]
+    SeveralMaps {
+        /// The file.
+        file: String,
+        /// Line at which the second one begins, counted from 1.
+        line: usize,
+    },
+    /// The number of columns or rows differs from that of the header.
     #[error(
         "{file}: {found_columns} columns and {found_rows} rows, but its header states {columns} and {rows}"
     )]

@@ -1,4 +1,4 @@
-//! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the heading of Gwyddion, and lists of points.
+//! Height maps from text: matrices of numbers, ESRI ASCII grids, matrices with the header of Gwyddion and other programs, and lists of points.
 
 use crate::headings::{length_unit, split_unit};
 use crate::height_table::{HeightMapError, HeightUnit, LONGEST_LINE, Source, Stated, Table};
@@ -34,7 +34,7 @@ const UNEVEN: f64 = 0.25;
 pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table, HeightMapError> {
     let mut reader = Reader {
         source,
-        header: EsriHeader::default(),
+        header: Header::default(),
         stated: Stated::default(),
         commas: Commas::Unknown,
         point: None,
@@ -46,12 +46,24 @@ pub(crate) fn parse(source: &Source<'_>, mut text: impl BufRead) -> Result<Table
         first_missing: None,
         list: None,
         has_quoted_commas: false,
-        is_zygo_header: false,
+        program: None,
+        blocks: Blocks::default(),
     };
     // Lines of old programs of Macintosh end in a carriage return alone.
     let head = text.fill_buf().map_err(|error| source.unreadable(error))?;
     let has_feeds = head.contains(&b'\n') || !head[..head.len().saturating_sub(1)].contains(&b'\r');
     let end = if has_feeds { b'\n' } else { b'\r' };
+    let start = String::from_utf8_lossy(&head[..head.len().min(FIRST_BYTES)]);
+    if Program::of(&start).is_none() {
+        let mut refused = REFUSED.into_iter();
+        if let Some((_, format, advice)) = refused.find(|(part, ..)| start.contains(part)) {
+            return Err(HeightMapError::OtherFormat {
+                file: source.file.to_owned(),
+                format,
+                advice,
+            });
+        }
+    }
     let mut bytes = Vec::new();
     for line in 1.. {
         bytes.clear();
@@ -95,7 +107,7 @@ struct Heading {
 /// A text that is being read.
 struct Reader<'a> {
     source: &'a Source<'a>,
-    header: EsriHeader,
+    header: Header,
     stated: Stated,
     commas: Commas,
     /// First line of a number with a point.
@@ -113,13 +125,76 @@ struct Reader<'a> {
     list: Option<Heading>,
     /// Whether numbers in quotes have commas, which may separate thousands.
     has_quoted_commas: bool,
-    /// Whether the lines are the header of a list of points of Zygo.
-    is_zygo_header: bool,
+    /// The program whose header is being read.
+    program: Option<Program>,
+    blocks: Blocks,
+}
+
+/// Programs with headers of their own above the numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Program {
+    /// Lists of points of Zygo.
+    Zygo,
+    /// Tables of the microscopes VK and VR of Keyence.
+    Keyence,
+    /// Text of SPIP, and of Nova of NT-MDT, whose lines do not begin with `#`.
+    Spip,
+}
+
+impl Program {
+    /// The program that wrote a file with this beginning.
+    fn of(start: &str) -> Option<Self> {
+        let known = [
+            ("Zygo XYZ Data File", Self::Zygo),
+            ("Measured date", Self::Keyence),
+            ("Gemessenes Datum", Self::Keyence),
+            ("File Format = ASCII", Self::Spip),
+            ("# File Format = ASCII", Self::Spip),
+        ];
+        let start = start.trim_start_matches(['\u{feff}', '"']);
+        let mut known = known.into_iter();
+        known.find_map(|(begins, program)| start.starts_with(begins).then_some(program))
+    }
+}
+
+/// Whether a text begins with the header of a program that writes height maps.
+pub(crate) fn is_of_program(start: &str) -> bool {
+    Program::of(start).is_some()
+}
+
+/// Blocks of rows, which are separated by lines without numbers.
+#[derive(Debug, Default)]
+struct Blocks {
+    /// Whether the line before has no numbers.
+    is_between: bool,
+    /// Rows of the last block.
+    rows: usize,
+    /// Rows of the shortest of the others, and the first line of the second block.
+    others: Option<(usize, usize)>,
+}
+
+impl Blocks {
+    /// Takes a row of numbers.
+    fn add(&mut self, line: usize) {
+        if self.is_between && self.rows > 0 {
+            let (shortest, second) = self.others.unwrap_or((self.rows, line));
+            self.others = Some((shortest.min(self.rows), second));
+            self.rows = 0;
+        }
+        self.rows += 1;
+        self.is_between = false;
+    }
+
+    /// First line of the second map, if every block has several rows. Blocks of one row are lines with space between them.
+    fn second_map(&self) -> Option<usize> {
+        let (shortest, second) = self.others?;
+        (shortest > 1 && self.rows > 1).then_some(second)
+    }
 }
 
 impl Reader<'_> {
     fn line(&mut self, line: usize, text: &str) -> Result<(), HeightMapError> {
-        if self.values.is_empty() && self.is_header_of_program(line, text) {
+        if self.values.is_empty() && self.is_header_of_program(line, text)? {
             return Ok(());
         }
         // Comments of MATLAB and of C.
@@ -128,8 +203,13 @@ impl Reader<'_> {
             Some(comment) => ("", comment),
             None => split_comment(text),
         };
+        if content.trim().is_empty() {
+            let is_header = self.take_comment(comment);
+            if is_header && !self.values.is_empty() {
+                return Err(self.several_maps(line));
+            }
+        }
         if self.values.is_empty() && content.trim().is_empty() {
-            self.stated.take(comment);
             self.names_points(comment, true);
         }
         if self.values.is_empty()
@@ -151,6 +231,7 @@ impl Reader<'_> {
                 false => words.len() != self.columns,
             };
         if is_blank || is_first && self.header.take(&words) {
+            self.blocks.is_between = true;
             return Ok(());
         }
         if is_first {
@@ -164,6 +245,7 @@ impl Reader<'_> {
                 expected: self.columns,
             });
         }
+        self.blocks.add(line);
         let points = self.values.len() + words.len();
         self.source
             .check_memory(points as u64, || format!("{points} points or more"))?;
@@ -190,25 +272,91 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Whether a line is part of the header of a program above a list of points: of Zygo, whose heights are in micrometres and whose points are
-    /// counted, or of `WSxM`.
-    fn is_header_of_program(&mut self, line: usize, text: &str) -> bool {
+    /// Whether a line is part of the header of a program, which is read: of Zygo, whose heights are in micrometres and whose points are
+    /// counted; of Keyence, up to the title of the heights; of SPIP and Nova, up to `Start of Data :` or a number; or of `WSxM`.
+    fn is_header_of_program(&mut self, line: usize, text: &str) -> Result<bool, HeightMapError> {
         /// Line and place of the distance of points, m.
         const RESOLUTION: (usize, usize) = (8, 6);
-        if line == 1 && text.starts_with("Zygo XYZ Data File") {
-            self.is_zygo_header = true;
-            self.stated.height_unit = Some(HeightUnit::Length(1e-6));
+        if line == 1 {
+            self.program = Program::of(text);
         }
-        if !self.is_zygo_header {
-            return text.starts_with("WSxM ");
+        let Some(program) = self.program else {
+            return Ok(text.starts_with("WSxM "));
+        };
+        let is_last;
+        match program {
+            Program::Zygo => {
+                is_last = text.trim() == "#";
+                self.stated.height_unit = Some(HeightUnit::Length(1e-6));
+                if line == RESOLUTION.0 {
+                    let value = text.split_whitespace().nth(RESOLUTION.1);
+                    let distance = value.and_then(|value| value.parse().ok());
+                    self.stated.spacing_unit = distance.filter(|distance| *distance > 0.0);
+                }
+            }
+            Program::Keyence => {
+                let mut separators = SEPARATORS.into_iter();
+                let separator = separators.find(|separator| text.contains(*separator));
+                let cells = table_text::cells(text, separator.unwrap_or(','));
+                let name = cells[0].to_lowercase();
+                let value = cells[1..].join(" ");
+                let value = value.trim();
+                is_last = value.is_empty() && NAMES_OF_Z.contains(&&name[..]);
+                match &name[..] {
+                    "output image data" | "bilddatenausg."
+                        if !NAMES_OF_Z.contains(&&value.to_lowercase()[..]) =>
+                    {
+                        return Err(self.source.no_map(format!(
+                            "line {line}: its data are {value:?}, not heights: export the heights (\"Height\")"
+                        )));
+                    }
+                    "unit" | "einheit" => self.stated.take_unit(value),
+                    _ => {
+                        self.header.take_named(&mut self.stated, &name, value);
+                    }
+                }
+            }
+            Program::Spip => {
+                // Lines of a description have any text.
+                let between = |c: char| c.is_whitespace() || SEPARATORS.contains(&c);
+                let first = text.trim_start().split(between).next();
+                if first.is_some_and(|word| single(word).is_some()) {
+                    self.program = None;
+                    return Ok(false);
+                }
+                let text = text.trim_start_matches(['#', ' ']);
+                is_last = text.starts_with("Start of ");
+                let named = text.split_once('=');
+                if named.is_some_and(|(name, value)| {
+                    name.trim() == "DataScaleNeeded" && value.trim().eq_ignore_ascii_case("yes")
+                }) {
+                    return Err(self.source.no_map(format!(
+                        "line {line}: its numbers are not heights before they are scaled: open it in Gwyddion and save it as text (ASCII data matrix)"
+                    )));
+                }
+                self.take_comment(text);
+            }
         }
-        self.is_zygo_header = text.trim() != "#";
-        if line == RESOLUTION.0 {
-            let value = text.split_whitespace().nth(RESOLUTION.1);
-            let distance = value.and_then(|value| value.parse().ok());
-            self.stated.spacing_unit = distance.filter(|distance| *distance > 0.0);
+        if is_last {
+            self.program = None;
         }
-        true
+        Ok(true)
+    }
+
+    /// Takes a line of a header, as `Width: 10 um`. Returns false if it is none.
+    fn take_comment(&mut self, comment: &str) -> bool {
+        let Some((name, value)) = comment.split_once([':', '=', '\u{ff1a}']) else {
+            return false;
+        };
+        let name = name.trim().to_lowercase();
+        self.header.take_named(&mut self.stated, &name, value)
+    }
+
+    fn several_maps(&self, line: usize) -> HeightMapError {
+        HeightMapError::SeveralMaps {
+            file: self.source.file.to_owned(),
+            line,
+        }
     }
 
     /// Numbers of a line. They are separated by commas, unless blanks or semicolons separate them and a comma is inside a number; all
@@ -357,23 +505,36 @@ impl Reader<'_> {
 
     fn table(mut self) -> Result<Table, HeightMapError> {
         self.check_thousands()?;
-        if !self.header.found {
+        if self.header.counts[0] != Some(self.columns) {
             self.without_empty_columns();
         }
+        let second_map = self.blocks.second_map().map(|line| self.several_maps(line));
         let Self {
             source,
             header,
             mut stated,
-            columns,
+            mut columns,
             mut values,
             first_missing,
             list,
             ..
         } = self;
         let file = || source.file.to_owned();
-        let rows = values.len().checked_div(columns).unwrap_or(0);
-        let said_columns = header.columns.unwrap_or(columns);
-        let said_rows = header.rows.unwrap_or(rows);
+        let mut rows = values.len().checked_div(columns).unwrap_or(0);
+        let [said_columns, said_rows] = header.counts;
+        let said_columns = said_columns.unwrap_or(columns);
+        let said_rows = said_rows.unwrap_or(rows);
+        // All numbers in one line, or one in each.
+        if (columns == 1 || rows == 1) && said_columns.checked_mul(said_rows) == Some(values.len())
+        {
+            (columns, rows) = (said_columns, said_rows);
+        }
+        if rows > 0 && said_columns == columns && said_rows.checked_mul(2) == Some(rows) {
+            return Err(source.no_map(format!(
+                "below its {said_rows} rows it has as many again, as SPIP writes the mask of points that were not measured: open it in Gwyddion and save \
+                 it as text (ASCII data matrix), or replace the heights of these points by NaN and remove the mask"
+            )));
+        }
         if (said_columns, said_rows) != (columns, rows) {
             return Err(HeightMapError::HeaderSize {
                 file: file(),
@@ -383,7 +544,11 @@ impl Reader<'_> {
                 found_rows: rows,
             });
         }
-        if header.found {
+        for (axis, count) in [columns, rows].into_iter().enumerate() {
+            let extent = header.extent(axis, count);
+            stated.extent[axis] = stated.extent[axis].or(extent);
+        }
+        if header.is_esri {
             let [along_x, along_y] = header.cell;
             stated.spacing = along_x
                 .or(along_y)
@@ -419,6 +584,15 @@ impl Reader<'_> {
             }
             if is_list && (places.is_some() || rows >= FEWEST_ROWS_OF_A_LIST) {
                 return Err(HeightMapError::NotAGrid { file: file(), rows });
+            }
+            if let (Some(error), None) = (second_map, header.counts[1]) {
+                return Err(error);
+            }
+            if columns == 1 && rows > 1 && !is_sized {
+                return Err(source.no_map(format!(
+                    "it is one column of {rows} numbers, and the number of columns of the map is not stated: reshape it to rows and columns, \
+                     as by numpy.savetxt(\"map.txt\", heights.reshape(rows, columns))"
+                )));
             }
             check_axes(source, &values, columns, is_sized)?;
         }
@@ -564,40 +738,47 @@ const HEIGHTS: [&str; 7] = [
     "v\u{fd}\u{161}ka",
 ];
 
-/// Names of the unit of the heights.
-const VALUE_UNITS: [&str; 4] = ["value units", "werteinheiten", "werteinheit", "unit\u{e9}s"];
+/// Names of the unit of the heights: of Gwyddion in its languages, of SPIP and Attocube, and of Nova.
+const VALUE_UNITS: [&str; 10] = [
+    "value units",
+    "werteinheiten",
+    "werteinheit",
+    "einheiten",
+    "unit\u{e9}s",
+    "unidades de valor",
+    "unit\u{e0} valore",
+    "jednotky hodnot",
+    "z-unit",
+    "unit data",
+];
+
+/// Names of what a map contains, with which headers of Gwyddion begin.
+const CHANNELS: [&str; 5] = ["channel", "kanal", "kan\u{e1}l", "canal", "canale"];
+
+/// Number of bytes in which parts of headers are searched.
+const FIRST_BYTES: usize = 512;
+
+/// Texts with headers that are not read: a part of their first lines, what they are, and what to do.
+const REFUSED: [(&str, &str, &str); 2] = [
+    (
+        "\"\\*File list",
+        "a text of NanoScope with its header",
+        "open the file of the microscope in Gwyddion and save it as text (ASCII data matrix)",
+    ),
+    (
+        "ImageDataCsv",
+        "a table of Keyence whose header is neither English nor German",
+        "export it in English; or remove the lines above the numbers, and give the case surface.cell_size (the XY calibration of the header) and \
+         surface.height_unit (its unit)",
+    ),
+];
 
 impl Stated {
-    /// Reads a comment before the heights, as Gwyddion writes it in several languages: `Width: 10 um`, `Height: 10 um`, `Value units: m`; and as
-    /// SPIP does, with lengths in nm: `x-length = 16000`.
-    fn take(&mut self, comment: &str) {
-        let Some((name, value)) = comment.split_once([':', '=']) else {
-            return;
-        };
-        let value = value.trim().replace(',', ".");
-        let length = |text: &str| parse_quantity(text, Dimension::Length).ok();
-        let nanometres = || {
-            let number = number(&value, Notation::Single)?;
-            length(&format!("{number} nm"))
-        };
-        let name = name.trim().to_lowercase();
-        let is = |names: &[&str]| names.contains(&&name[..]);
-        if is(&WIDTHS) {
-            self.extent[0] = length(&value);
-        } else if is(&HEIGHTS) {
-            self.extent[1] = length(&value);
-        } else if is(&["x-length"]) {
-            self.extent[0] = nanometres().or_else(|| length(&value));
-        } else if is(&["y-length"]) {
-            self.extent[1] = nanometres().or_else(|| length(&value));
-        } else if is(&["bit2nm"]) {
-            self.height_unit = nanometres().map(HeightUnit::Length);
-        } else if is(&["lateral units", "xy units"]) {
-            self.spacing_unit = length(&format!("1 {value}"));
-        } else if is(&VALUE_UNITS) {
-            let unit = length(&format!("1 {value}")).map(HeightUnit::Length);
-            self.height_unit = Some(unit.unwrap_or(HeightUnit::Other(value)));
-        }
+    /// Takes the unit of the heights, as `nm` or `[nm]`.
+    fn take_unit(&mut self, unit: &str) {
+        let unit = unit.trim_matches(['[', ']', '(', ')']).trim();
+        let length = length_of(&format!("1 {unit}")).map(HeightUnit::Length);
+        self.height_unit = Some(length.unwrap_or(HeightUnit::Other(unit.to_owned())));
     }
 
     /// Whether a line is a title of the heights with their unit, which is kept: `Height(nm)`.
@@ -615,33 +796,96 @@ impl Stated {
     }
 }
 
-/// Relevant part of the header of an ESRI ASCII grid.
-#[derive(Default)]
-struct EsriHeader {
-    columns: Option<usize>,
-    rows: Option<usize>,
-    /// Sides of a cell along x and y.
-    cell: [Option<f64>; 2],
-    no_data: Option<f64>,
-    found: bool,
+/// A length with its unit, m.
+fn length_of(text: &str) -> Option<f64> {
+    parse_quantity(text, Dimension::Length).ok()
 }
 
-impl EsriHeader {
+/// Numbers of a header that have a meaning together with others, and the relevant part of the header of an ESRI ASCII grid.
+#[derive(Default)]
+struct Header {
+    /// Columns and rows.
+    counts: [Option<usize>; 2],
+    /// Extents along x and y without a unit.
+    lengths: [Option<f64>; 2],
+    /// Sides of a cell along x and y.
+    cell: [Option<f64>; 2],
+    /// Units of lengths along x and y, m; not a number for another dimension.
+    units: [Option<f64>; 2],
+    no_data: Option<f64>,
+    /// Whether it is an ESRI ASCII grid.
+    is_esri: bool,
+}
+
+impl Header {
+    /// Reads a line of a header with its name in lower case, as Gwyddion writes it in several languages: `Width: 10 um`, `Height: 10 um`,
+    /// `Value units: m`; as SPIP does, with lengths in nm: `x-length = 16000`; as Attocube does, with their unit: `x-unit: um`; as Nova does, with
+    /// cells: `Scale X = 0.5`, `Unit X = um`; and as Keyence does: `XY Calibration` of `277.462 nm`. Returns false if it is none of these.
+    fn take_named(&mut self, stated: &mut Stated, name: &str, value: &str) -> bool {
+        let value = value.trim().replace(',', ".");
+        let bare = || number(&value, Notation::Single)?.parse::<f64>().ok();
+        let is = |names: &[&str]| names.contains(&name);
+        let axis = |names: [&str; 2]| names.iter().position(|known| *known == name);
+        if is(&WIDTHS) || is(&HEIGHTS) {
+            let extent = length_of(&value);
+            stated.extent[usize::from(is(&HEIGHTS))] = extent;
+            return extent.is_some();
+        }
+        if let Some(axis) = axis(["x-length", "y-length"]) {
+            self.lengths[axis] = bare();
+            stated.extent[axis] = length_of(&value);
+        } else if let Some(axis) = axis(["x-unit", "y-unit"]).or(axis(["unit x", "unit y"])) {
+            self.units[axis] = Some(length_of(&format!("1 {value}")).unwrap_or(f64::NAN));
+        } else if let Some(axis) = axis(["x-pixels", "y-pixels"])
+            .or(axis(["nx", "ny"]))
+            .or(axis(["horizontal", "vertical"]))
+            .or(axis(["horizont.", "vertikal"]))
+        {
+            self.counts[axis] = value.parse().ok();
+        } else if let Some(axis) = axis(["scale x", "scale y"]) {
+            self.cell[axis] = bare();
+        } else if is(&["xy calibration", "xy-justierung"]) {
+            self.cell = [length_of(&value); 2];
+            self.units = [Some(1.0); 2];
+        } else if is(&["bit2nm"]) {
+            let unit = bare().map(|unit| HeightUnit::Length(1e-9 * unit));
+            stated.height_unit = stated.height_unit.take().or(unit);
+        } else if is(&["lateral units", "xy units"]) {
+            stated.spacing_unit = length_of(&format!("1 {value}"));
+        } else if is(&VALUE_UNITS) {
+            stated.take_unit(&value);
+        } else {
+            return is(&CHANNELS);
+        }
+        true
+    }
+
+    /// Extent along an axis with so many points, m, if its unit is known. Lengths of SPIP without a unit are in nm.
+    fn extent(&self, axis: usize, count: usize) -> Option<f64> {
+        const NANOMETRE: f64 = 1e-9;
+        let unit = self.units[axis].or(self.units[0]);
+        let cell = self.cell[axis].filter(|_| !self.is_esri);
+        let of_cells = || Some(unit? * cell? * count as f64);
+        let length = self.lengths[axis].map(|length| unit.unwrap_or(NANOMETRE) * length);
+        let extent = length.or_else(of_cells)?.abs();
+        (extent > 0.0 && extent.is_finite()).then_some(extent)
+    }
+
     /// The number of a missing point; the format defines one for headers that do not state it.
     fn no_data(&self) -> Option<f64> {
         const USUAL: f64 = -9999.0;
-        self.no_data.or(self.found.then_some(USUAL))
+        self.no_data.or(self.is_esri.then_some(USUAL))
     }
 
-    /// Reads a line of the header. Returns false if the line is not part of a header.
+    /// Reads a line of the header of an ESRI ASCII grid. Returns false if the line is not part of one.
     fn take(&mut self, words: &[&str]) -> bool {
         let [key, value] = words else {
             return false;
         };
         let number = || single(value);
         match key.to_ascii_lowercase().as_str() {
-            "ncols" => self.columns = value.parse().ok(),
-            "nrows" => self.rows = value.parse().ok(),
+            "ncols" => self.counts[0] = value.parse().ok(),
+            "nrows" => self.counts[1] = value.parse().ok(),
             "cellsize" => self.cell = [number(); 2],
             "dx" => self.cell[0] = number(),
             "dy" => self.cell[1] = number(),
@@ -650,7 +894,7 @@ impl EsriHeader {
             "xllcorner" | "yllcorner" | "xllcenter" | "yllcenter" => {}
             _ => return false,
         }
-        self.found = true;
+        self.is_esri = true;
         true
     }
 }

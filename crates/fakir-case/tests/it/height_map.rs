@@ -3,7 +3,7 @@
 
 use fakir::problem::HeightMap;
 use fakir_case::height_map::{
-    GivenScale, HeightMapError, MapScale, MapSize, read_height_map, read_scaled_map,
+    GivenScale, HeightMapError, MapScale, MapSize, is_height_map, read_height_map, read_scaled_map,
 };
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
@@ -543,6 +543,171 @@ fn sizes_that_a_file_states() {
     );
 }
 
+/// Gwyddion writes several channels into one text, each below its header.
+#[test]
+fn several_maps_in_one_text_are_refused() {
+    let given = SCALE.into();
+    let rows = "0 1 2 3\n10 11 12 13\n20 21 22 23\n";
+    let channel = |name: &str, unit: &str| {
+        format!("# Channel: {name}\n# Width: 8 um\n# Height: 3 um\n# Value units: {unit}\n{rows}")
+    };
+    let refused = |text: &str, line: usize| {
+        let error = read_text(text, &given).expect_err(text);
+        assert!(
+            matches!(error, HeightMapError::SeveralMaps { line: at, .. } if at == line),
+            "{text}: {error}"
+        );
+        assert!(error.to_string().contains("save one map alone"), "{error}");
+    };
+    let both = format!("{}\n{}", channel("Height", "nm"), channel("Phase", "deg"));
+    refused(&both, 9);
+    refused(&both.replace("# ", "% "), 9);
+    refused(&format!("{rows}\n{rows}"), 5);
+    refused(&format!("{rows}# New slice\n{rows}# New slice\n{rows}"), 5);
+    // Empty lines between all rows, and at both ends.
+    let spaced = format!("\n{}\n", rows.replace('\n', "\n\n"));
+    check(&read_text(spaced, &given).unwrap());
+    // Lists of points of gnuplot have an empty line between their rows.
+    let point = |k: i32| {
+        let end = if k % 4 == 3 { "\n\n" } else { "\n" };
+        format!("{} {} {}{end}", k % 4, k / 4, 10 * (k / 4) + k % 4)
+    };
+    check(&read_text((0..12).map(point).collect::<String>(), &given).unwrap());
+}
+
+/// The headers of programs of microscopes. Those of Attocube, SPIP and Nova are described in the modules `attocube.c`, `spip-asc.c` and `nova-asc.c`
+/// of Gwyddion; those of Gwyddion in other languages and of Nova are tested in `SurfaceTopography` (`test_asc.py`); those of Keyence are read by
+/// `Kcsv2Bcr`.
+#[test]
+fn headers_of_programs_of_microscopes() {
+    let nothing = GivenScale::default();
+    let given = SCALE.into();
+    let rows = "0 1 2 3\n10 11 12 13\n20 21 22 23\n";
+    let spip = "# File Format = ASCII\n# x-pixels = 4\n# y-pixels = 3\n# x-length = 8000\n# y-length = 3000\n# z-unit = [nm]\n\
+                # description =\n# 3 scans\nOperator:\n# Start of Data:\n";
+    let attocube = "# x-length: 8\n# y-length: 3\n# x-unit: um\n# y-unit: um\n# z-unit: nm\n";
+    let nova = "File Format = ASCII\nCreated by Nova\nNX = 4\nNY = 3\nScale X = 2\nScale Y = 1\nUnit X = um\nUnit Data = nm\nScale Data = 1\n\
+                DataScaleNeeded = no\nStart of Data :\n";
+    for header in [
+        spip,
+        attocube,
+        "# x-unit: mm\n# y-unit: um\n# x-length: 0.008\n# y-length: 3\n# z-unit: nm\n",
+        nova,
+        "% Width: 8 um\n% Height: 3 um\n% Value units: nm\n",
+        "// Width: 8 um\n// Height: 3 um\n// Value units: nm\n",
+        "# Kanal: Topo\n# Breite: 8 um\n# H\u{f6}he: 3 um\n# Einheiten: nm\n",
+        "# Canal: Topo\n# Anchura: 8 um\n# Altura: 3 um\n# Unidades de valor: nm\n",
+        "# Canale: Topo\n# Larghezza: 8 um\n# Altezza: 3 um\n# unit\u{e0} valore: nm\n",
+        "# Kan\u{e1}l: Topo\n# \u{160}\u{ed}\u{159}ka: 8 um\n# V\u{fd}\u{161}ka: 3 um\n# Jednotky hodnot: nm\n",
+    ] {
+        let text = format!("{header}{rows}");
+        for scale in [&nothing, &given] {
+            match read_text(&text, scale) {
+                Ok(map) => check(&map),
+                Err(error) => panic!("{text}: {error}"),
+            }
+        }
+        let larger = GivenScale {
+            height_unit: Some(1e-6),
+            ..nothing
+        };
+        let error = read_text(&text, &larger).expect_err(&text).to_string();
+        assert!(error.contains("a unit of heights of 1 nm"), "{error}");
+        let wider = GivenScale {
+            size: Some(MapSize::Extent([9e-6, 3e-6])),
+            ..nothing
+        };
+        let error = read_text(&text, &wider).expect_err(&text).to_string();
+        assert!(error.contains("a width of 8 um"), "{error}");
+    }
+    let error = |header: String| {
+        let error = read_text(format!("{header}{rows}"), &nothing);
+        error.expect_err(&header).to_string()
+    };
+    let volts = error(spip.replace("z-unit = [nm]", "z-unit = V"));
+    assert!(volts.contains("values in \"V\""), "{volts}");
+    for header in [
+        spip.replace("y-pixels = 3", "y-pixels = 5"),
+        nova.replace("NY = 3", "NY = 5"),
+    ] {
+        let size = error(header);
+        assert!(size.contains("its header states 4 and 5"), "{size}");
+    }
+    // SPIP writes a mask below the heights.
+    let mask = error(format!("{spip}{rows}"));
+    assert!(mask.contains("and remove the mask"), "{mask}");
+    // All numbers in one line, and one in each.
+    for between in [" ", "\n"] {
+        let rows = rows.replace([' ', '\n'], between);
+        check(&read_text(format!("{spip}{rows}"), &nothing).unwrap());
+    }
+    let scaled = error(nova.replace("= no", "= Yes"));
+    assert!(scaled.contains("Gwyddion"), "{scaled}");
+}
+
+/// Tables of the microscopes VK and VR of Keyence. The name of one cell has a line break.
+#[test]
+fn tables_of_keyence() {
+    let table = |unit: &str, data: &str| {
+        format!(
+            "\"Measured date\",\"2025-01-02 10:00:00\"\r\n\"Model\",\"VK-X3000 Series\"\r\n\"Data type\n\",\"ImageDataCsv\"\r\n\"File version\",\"1000\"\r\n\
+             \"XY Calibration\",\"1389.000\",\"nm\"\r\n\"Z calibration\",\"0.1\",\"nm\"\r\n\"Output image data\",\"{data}\"\r\n\"Horizontal\",\"3\"\r\n\
+             \"Vertical\",\"2\"\r\n\"Minimum value\",\"0.000\"\r\n\"Unit\",\"{unit}\"\r\n\"Reference data name\",\"\"\r\n\r\n\"{data}\"\r\n\
+             \"0.000\",\"1.250\",\"2.500\"\r\n\"10.125\",\"11.250\",\"12.375\"\r\n"
+        )
+    };
+    let text = table("um", "Height");
+    let nothing = GivenScale::default();
+    let german = text
+        .replace("Measured date", "Gemessenes Datum")
+        .replace("XY Calibration", "XY-Justierung")
+        .replace("\"Unit\"", "\"Einheit\"")
+        .replace("Output image data", "Bilddatenausg.")
+        .replace("\"Height\"", "\"H\u{f6}he\"");
+    for text in [&text, &german, &text.replace('"', "")] {
+        let map = read_text(text, &nothing).expect(text);
+        assert_eq!((map.grid().columns(), map.grid().rows()), (3, 2));
+        for side in map.grid().cell() {
+            assert!((side - 1.389e-6).abs() < 1e-18, "{side}");
+        }
+        assert!((map.heights()[5] - 12.375e-6).abs() < 1e-18);
+    }
+    let error = |text: &str| read_text(text, &nothing).expect_err(text).to_string();
+    let laser = error(&table("um", "Laser"));
+    assert!(laser.contains("\"Laser\", not heights"), "{laser}");
+    let unit = error(&table("%", "Height"));
+    assert!(unit.contains("values in \"%\""), "{unit}");
+    let size = error(&text.replace("\"Vertical\",\"2\"", "\"Vertical\",\"768\""));
+    assert!(size.contains("its header states 3 and 768"), "{size}");
+    // A column that was not measured is part of the map.
+    let hole = text.replace("\"0.000\",\"1", "\"\",\"1");
+    let hole = error(&hole.replace("\"10.125\"", "\"\""));
+    assert!(hole.contains("2 of 6 heights are missing"), "{hole}");
+    // The same in Chinese, in GBK.
+    let chinese = b"\"\xb2\xe2\xc1\xbf\xc8\xd5\xc6\xda\",\"2025-01-02\"\n\"\xce\xc4\xbc\xfe\xc0\xe0\xd0\xcd\",\"ImageDataCsv\"\n";
+    let chinese = read_text(chinese, &nothing).unwrap_err().to_string();
+    assert!(chinese.contains("surface.cell_size"), "{chinese}");
+    let path = Path::new("map.csv");
+    assert!(is_height_map(path, text.as_bytes()));
+    let other = GivenScale {
+        size: Some(MapSize::Pixel([1e-6; 2])),
+        ..nothing
+    };
+    let error = read_text(&text, &other).unwrap_err().to_string();
+    assert!(error.contains("a width of 4.167 um"), "{error}");
+}
+
+/// NanoScope writes the heights of an image as one column.
+#[test]
+fn one_column_is_no_map() {
+    for title in ["Height(nm)\n", ""] {
+        let text = format!("{title}1.5\n2.5\n3.5\n4.5\n");
+        let error = read_text(text, &SCALE.into()).unwrap_err().to_string();
+        assert!(error.contains("one column of 4 numbers"), "{error}");
+        assert!(error.contains("reshape it"), "{error}");
+    }
+}
+
 #[test]
 fn files_of_other_formats_are_named() {
     for (start, format, advice) in [
@@ -557,6 +722,17 @@ fn files_of_other_formats_are_named() {
         (
             b"WSxM file copyright UAM\nSxM Image file\nImage header size: 4607\n\0",
             "a WSxM file",
+            "Gwyddion",
+        ),
+        // The first line as in the module `opdfile.c` of Gwyddion.
+        (
+            b"Wyko ASCII Data File Format 0\t0\t1\nX Size\t736\n",
+            "a text of Wyko",
+            "Gwyddion",
+        ),
+        (
+            b"\"\\*File list\"\n\"\\Version: 0x09300202\"\n",
+            "a text of NanoScope",
             "Gwyddion",
         ),
         (b"\x01\0\x02", "an unknown format", "as an array of NumPy"),
