@@ -104,7 +104,7 @@ fn zeros(bytes: &[u8]) -> Zeros {
     };
     let (even, odd) = (at(0), at(1));
     match () {
-        () if even + odd <= FEW => Zeros::Few,
+        () if even + odd <= FEW.min(bytes.len() / 20) => Zeros::Few,
         () if even == 0 && 5 * odd > 2 * bytes.len() => Zeros::Odd,
         () if odd == 0 && 5 * even > 2 * bytes.len() => Zeros::Even,
         () => Zeros::Many,

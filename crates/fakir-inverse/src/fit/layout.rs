@@ -282,6 +282,7 @@ impl NamedColumn {
         let mut factors = Vec::new();
         while let Some((before, factor)) = heading.rsplit_once('*')
             && sensitivity(factor).is_some()
+            && of_counts(factor).is_none()
         {
             factors.insert(0, factor.trim().to_owned());
             heading = before.trim();

@@ -150,6 +150,93 @@ fn compression_that_is_counted_negative_is_detected() {
     assert!(data.rows()[11].force.unwrap().value < 0.0);
 }
 
+/// A load cell that was not set to zero, and a stage that counts down: the lens turns where the force changes.
+#[test]
+fn signs_are_found_in_spite_of_an_offset() {
+    let depths = (-10..=10).chain((-10..10).rev()).map(f64::from);
+    let rows = depths.map(|depth: f64| {
+        let force = depth.max(0.0).powf(1.5) - 20.0;
+        format!("{},{force}\n", 5000.0 - depth)
+    });
+    let data = read(&format!(
+        "Position [um],Load [uN]\n{}",
+        rows.collect::<String>()
+    ));
+    assert!(lines(&data).contains("the position decreases as the lens moves down"));
+    assert!(data.rows()[20].position.unwrap().value > data.rows()[0].position.unwrap().value);
+}
+
+/// What other instruments write: MTI (a comma behind every row), `WinTest` (a zero behind the first line), Shimadzu (a row of units), `LabVIEW`
+/// (units in the header), loading and unloading side by side below a line with their names, and UTF-16 without a mark.
+#[test]
+fn files_of_other_instruments() {
+    let expected = [[1.0, 0.1], [2.0, 0.3], [3.0, 0.6]];
+    let plain = "Disp (um), Load (uN)\n1, 0.1\n2, 0.3\n3, 0.6\n";
+    let commas = "Disp (um), Load (uN), Time (s)\n1.0, 0.1, 0.5,\n2.0, 0.3, 1.0,\n3.0, 0.6, 1.5,\n";
+    let zero = format!("WinTest\0\r\n{plain}");
+    let labview = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\nChannels\t2\nY_Unit_Label\tum\tuN\n\
+                   X_Dimension\tTime\tTime\n***End_of_Header***\nX_Value\tStage position\tLoad cell\tComment\n\
+                   0.0\t1\t0.1\n0.1\t2\t0.3\n0.2\t3\t0.6\n";
+    for text in [plain, commas, &zero, labview] {
+        assert_eq!(values(&read(text)), expected, "{text}");
+    }
+    let wide: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let data = Measurements::from_csv("data", &wide, &[]).unwrap();
+    assert_eq!(values(&data), expected);
+    let text = "Loading\t\tUnloading\t\nPosition\tForce\tPosition\tForce\num\tuN\tum\tuN\n1\t0.1\t3\t0.6\n2\t0.3\t1\t0.1\n";
+    let data = read(text);
+    assert_eq!(
+        values(&data),
+        [[1.0, 0.1], [2.0, 0.3], [3.0, 0.6], [1.0, 0.1]]
+    );
+    assert_eq!(data.rows()[2].branch, Some(Branch::Unloading));
+    // Steps of a motor.
+    for factor in ["40 nm", "40 nm/step", "0.04 um/count"] {
+        let named = format!("displacement=steps*{factor}");
+        let data = read_by_hand(
+            "steps,Force (uN)\n25,0.1\n50,0.3\n75,0.6\n",
+            &[&named],
+            None,
+        );
+        for (found, expected) in values(&data)
+            .iter()
+            .flatten()
+            .zip(expected.iter().flatten())
+        {
+            assert!((found - expected).abs() < 1e-9, "{factor}");
+        }
+    }
+    // A unit by hand that the row of units contradicts.
+    let text = "\"Time\",\"Force\",\"Stroke\"\n\"sec\",\"N\",\"mm\"\n0,1,1\n1,2,2\n";
+    let named = [NamedColumn::parse("force=Force (mN)").unwrap()];
+    let error = Measurements::from_csv("data", text.as_bytes(), &named).unwrap_err();
+    assert!(error.to_string().contains("row of units says N"), "{error}");
+    let data = read_by_hand(text, &["force=Force (N)"], None);
+    assert_eq!(data.rows().len(), 2);
+}
+
+#[test]
+fn limits_of_a_load_cell_and_repeated_rows_are_noted() {
+    let force = |depth: f64| depth.powf(1.5).min(20.0);
+    let rows = (1..=20).map(|k| format!("{k},{}\n", force(f64::from(k))));
+    let rows: Vec<String> = rows.collect();
+    let data = read(&format!("z_um,force_uN\n{}", rows.concat()));
+    assert!(
+        lines(&data).contains("13 rows, lines 9 to 21, have the same force of 20 uN"),
+        "{}",
+        lines(&data)
+    );
+    let twice: String = rows[..8].iter().map(|row| row.repeat(2)).collect();
+    let data = read(&format!("z_um,force_uN\n{twice}"));
+    assert!(
+        lines(&data).contains("8 rows repeat the one before them"),
+        "{}",
+        lines(&data)
+    );
+    let plain = read(&format!("z_um,force_uN\n{}", rows[..7].concat()));
+    assert!(plain.layout().notes.is_empty(), "{}", lines(&plain));
+}
+
 /// Two cycles of 8 rows, in um and uN.
 fn cycles() -> String {
     let cycle = [0, 1, 2, 3, 4, 3, 2, 1];
@@ -183,6 +270,9 @@ fn rows_are_selected() {
         ..second
     };
     assert_eq!(count(&unloading), (15, 3));
+    let chosen = data.clone().select(&unloading).unwrap();
+    assert_eq!(chosen.turning_load(), Some(4e-6));
+    assert!(lines(&chosen).contains("the unloading begins at 4 um, in line 14"));
     let rows = Selection {
         rows: Selection::parse_rows("3:5").unwrap(),
         ..all
