@@ -53,7 +53,7 @@ pub(crate) fn warn_of_file(file: &CaseFile) -> PyResult<()> {
         for text in file.deprecations() {
             warn(py.get_type::<PyFutureWarning>().into_any(), text)?;
         }
-        for text in file.axis_outside() {
+        if let Some(text) = file.axis_outside() {
             warn(py.get_type::<PyUserWarning>().into_any(), text)?;
         }
         Ok(())
