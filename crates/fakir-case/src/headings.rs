@@ -190,7 +190,8 @@ impl<const N: usize> Columns<N> {
         }
     }
 
-    /// The headings of a table: the first line that is no comment, or a comment before it if it contains numbers.
+    /// The headings of a table: the first line that names the required columns, also below titles; or else the first line that is no comment, or a comment
+    /// before it if it contains numbers.
     pub(crate) fn headings(&self, lines: &[&str]) -> Headings {
         /// Most lines of titles above the headings.
         const TITLES: usize = 20;
@@ -221,11 +222,24 @@ impl<const N: usize> Columns<N> {
         let Some((first, _)) = rows.clone().next() else {
             return found(0, ',', Vec::new());
         };
-        let names = rows.by_ref().take(TITLES).find_map(|(index, line)| {
+        let names = rows.by_ref().take(TITLES).filter_map(|(index, line)| {
             let (known, separator, headings) = of_line(line);
             (known >= self.required).then_some((index, separator, headings))
         });
-        if let Some((index, separator, headings)) = names {
+        let mut names: Vec<(usize, char, Vec<String>)> = names.collect();
+        // Words of a title may be those of headings, but there are not as many as cells in the rows below.
+        let is_above_rows = |(index, separator, headings): &(usize, char, Vec<String>)| {
+            let below = lines[index + 1..]
+                .iter()
+                .filter(|line| is_row(line))
+                .take(4);
+            below
+                .map(|line| cells(line, *separator).len())
+                .any(|count| count == headings.len())
+        };
+        if !names.is_empty() {
+            let place = names.iter().position(is_above_rows).unwrap_or(0);
+            let (index, separator, headings) = names.swap_remove(place);
             return found(index, separator, headings);
         }
         let (known, separator, headings) = of_line(lines[first]);

@@ -486,7 +486,7 @@ mod tests {
             "\"x_um\" \"y_um\" \"d_um\"\n\"1\" 10 0 4\n\"2\" 30 0 6\n",
             "No,X [um],Y [um],D [um]\n#1,10,0,4\n#2,30,0,6\n",
             "sep=;\nX [um];Y [um];D [um]\n10;0;4\n30;0;NaN\n;;\n",
-            "Pillars of sample 7\n\nX [um],Y [um],D [um]\n10,0,4\n30,0,n/a\n\u{1a}",
+            "Position X Y of pillars\nof sample 7\n\nX [um],Y [um],D [um]\n10,0,4\n30,0,n/a\n\u{1a}",
             "% X [um], Y [um], Durchmesser [um]\n10, 0, 4\n30, 0, 6\n",
             "X (um)\tY (um)\tArea (sq um)\tRadius (um)\n10\t0\t12\t2\n30\t0\t28\t3\n",
             "x_nm,y_nm,d_nm\n10000.000,0.000,4000.000\n30000.000,0.000,6000.000\n",

@@ -467,8 +467,11 @@ impl Reader<'_> {
         } = place;
         let of_branches =
             line.and_then(|line| below_branches(&lines[..line], separator, &headings));
-        let headings = of_branches.unwrap_or(headings);
+        let mut headings = of_branches.unwrap_or(headings);
         let of_labview = line.and_then(|line| units_of_labview(&lines[..line], &headings));
+        if of_labview.is_some() {
+            "Time".clone_into(&mut headings[0]);
+        }
         let mut first = first;
         let header = segments.as_ref().map_or(&[][..], |_| &lines[..first]);
         let label = header
@@ -1331,9 +1334,8 @@ fn below_branches(above: &[&str], separator: char, headings: &[String]) -> Optio
 
 /// The units of the columns in the header of a file of LabVIEW measurements (.lvm), whose first column is the time.
 fn units_of_labview(above: &[&str], headings: &[String]) -> Option<Vec<String>> {
-    let is_header = above
-        .iter()
-        .any(|line| line.starts_with("LabVIEW Measurement"));
+    let begins = |words: &str| above.iter().any(|line| line.starts_with(words));
+    let is_header = begins("LabVIEW Measurement") && begins("X_Dimension\tTime");
     let units = above
         .iter()
         .rev()

@@ -180,6 +180,7 @@ fn files_of_other_instruments() {
     for text in [plain, commas, &zero, labview] {
         assert_eq!(values(&read(text)), expected, "{text}");
     }
+    assert_eq!(read(labview).rows()[2].time, Some(0.2));
     let wide: Vec<u8> = plain.encode_utf16().flat_map(u16::to_le_bytes).collect();
     let data = Measurements::from_csv("data", &wide, &[]).unwrap();
     assert_eq!(values(&data), expected);
