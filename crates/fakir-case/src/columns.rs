@@ -1,8 +1,8 @@
 //! Tables of lengths under a line with the names of their columns, in the formats of spreadsheets and of ImageJ.
 
 use crate::headings::{
-    Form, Given, Headings, IGNORED, Unit, chosen_headings, has_box, is_no_unit, is_pixel, is_row,
-    length_unit, of_area, units_below, without_brackets,
+    Columns, Form, Given, Headings, IGNORED, Unit, chosen_headings, has_box, is_no_unit, is_pixel,
+    is_row, length_unit, of_area, units_below, without_brackets,
 };
 use crate::notation::{Doubt, Evidence, Marks, Notation, is_not_measured, number};
 use crate::table_text::{cells, is_statistic, read_table, text_of};
@@ -54,17 +54,6 @@ pub(crate) enum TableError {
         /// Description of the error, and what is accepted.
         problem: String,
     },
-}
-
-/// Columns of a table.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Columns<const N: usize> {
-    /// Names, which end in `_m`.
-    pub(crate) names: [&'static str; N],
-    /// Number of required columns, from the first.
-    pub(crate) required: usize,
-    /// Description in messages: `"a table of pillars has ..."`.
-    pub(crate) accepted: &'static str,
 }
 
 /// A table that has been read.

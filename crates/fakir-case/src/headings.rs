@@ -1,9 +1,19 @@
 //! The headings of a table: which column contains which quantity, in which unit.
 
-use crate::columns::Columns;
 use crate::notation::is_number;
 use crate::table_text::{SEPARATORS, cells, text_of};
 use crate::unit::{Dimension, parse_quantity, symbol_of};
+
+/// Columns of a table.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Columns<const N: usize> {
+    /// Names, which end in `_m`.
+    pub(crate) names: [&'static str; N],
+    /// Number of required columns, from the first.
+    pub(crate) required: usize,
+    /// Description in messages: `"a table of pillars has ..."`.
+    pub(crate) accepted: &'static str,
+}
 
 /// What a case says about a table.
 #[derive(Debug, Clone, Default)]

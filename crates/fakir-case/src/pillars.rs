@@ -1,7 +1,7 @@
 //! Tables of pillars: position and, if they differ, height and diameter of each.
 
-use crate::columns::{Columns, Table, TableError};
-use crate::headings::{Chosen, Given, Unit};
+use crate::columns::{Table, TableError};
+use crate::headings::{Chosen, Columns, Given, Unit};
 use fakir::problem::{InvalidPillars, ListedPillar, Pillar, PillarList};
 use std::fmt::Display;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Tables of the heights of an axisymmetric lens.
 
-use crate::columns::{Columns, TableError};
-use crate::headings::Given;
+use crate::columns::TableError;
+use crate::headings::{Columns, Given};
 use fakir::problem::LensProfile;
 use std::path::Path;
 
