@@ -36,9 +36,9 @@ pub struct Case {
 pub(crate) struct PillarsOrigin {
     /// File, if any.
     pub(crate) path: Option<PathBuf>,
-    /// Its columns and their unit, m, as the case names them.
+    /// Its columns and their unit, as the case gives them.
     pub(crate) columns: String,
-    pub(crate) unit: Option<f64>,
+    pub(crate) unit: String,
     /// Position of the lens axis in its coordinates, m.
     pub(crate) axis: Point,
 }
@@ -165,7 +165,7 @@ impl Case {
         {
             parts.pattern.pillars = text(&origin.path);
             parts.pattern.pillar_columns.clone_from(&origin.columns);
-            parts.pattern.pillar_unit = origin.unit.unwrap_or(f64::NAN);
+            parts.pattern.pillar_unit.clone_from(&origin.unit);
             parts.pattern.axis = origin.axis;
         }
         parts

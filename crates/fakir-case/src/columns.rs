@@ -218,6 +218,7 @@ impl<const N: usize> Columns<N> {
         }
         let mut places: [Option<Place>; N] = [const { None }; N];
         let mut radius = None;
+        let mut is_default_used = false;
         let meanings = &headings.meanings;
         for (place, (heading, meaning)) in headings.texts.iter().zip(meanings).enumerate() {
             let Some(meaning) = meaning else {
@@ -271,7 +272,10 @@ impl<const N: usize> Columns<N> {
                         Dimension::Length.unit_list()
                     ));
                 }
-                None => default.cloned(),
+                None => {
+                    is_default_used = true;
+                    default.cloned()
+                }
             };
             let Some(unit) = unit else {
                 return Err(format!(
@@ -293,6 +297,12 @@ impl<const N: usize> Columns<N> {
             if place.is_none() {
                 return Err(format!("the column {column} is missing: {accepted}"));
             }
+        }
+        if default.is_some() && !is_default_used {
+            return Err(
+                "a unit of columns without one is given, but all columns have units: leave it out"
+                    .to_owned(),
+            );
         }
         Ok((places, radius))
     }

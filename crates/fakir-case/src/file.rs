@@ -71,11 +71,6 @@ impl Case {
     }
 }
 
-/// The unit of the columns of a table of pillars, m, if the case gives it.
-fn unit_of(pattern: &PillarPatternParts) -> Option<f64> {
-    Some(pattern.pillar_unit).filter(|unit| unit.is_finite())
-}
-
 impl CaseFile {
     /// Replaces the listed pillars of a file, if its arrangement is `"listed"`.
     #[must_use]
@@ -463,10 +458,14 @@ impl CaseFile {
                 )
             })?,
         };
-        let given = Given {
-            columns,
-            unit: unit_of(pattern).map(Unit::metres),
+        let unit = match &pattern.pillar_unit[..] {
+            "" => None,
+            text => Some(Unit::parse(text).ok_or_else(|| {
+                self.problem(Key::PillarUnit, format!("\"{text}\" is no unit of length"))
+                    .accepted("a unit, as \"um\", or the size of a pixel, as \"0.325 um\"")
+            })?),
         };
+        let given = Given { columns, unit };
         let (path, table) = match &self.table {
             Some((name, contents)) if *name == Path::new(&pattern.pillars) => {
                 let table = pillars_in(&pattern.pillars, contents, &given, &pattern.pillar);
@@ -503,7 +502,7 @@ impl CaseFile {
             let origin = PillarsOrigin {
                 path: None,
                 columns: String::new(),
-                unit: None,
+                unit: String::new(),
                 axis,
             };
             return Ok((list.seen_from(axis), origin));
@@ -518,7 +517,7 @@ impl CaseFile {
         let origin = PillarsOrigin {
             path,
             columns: pattern.pillar_columns.clone(),
-            unit: unit_of(pattern),
+            unit: pattern.pillar_unit.clone(),
             axis,
         };
         Ok((list.seen_from(axis), origin))

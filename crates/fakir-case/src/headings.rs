@@ -41,14 +41,6 @@ pub(crate) struct Unit {
 }
 
 impl Unit {
-    /// A length in metres.
-    pub(crate) fn metres(number: f64) -> Self {
-        Self {
-            number,
-            symbol: "m".to_owned(),
-        }
-    }
-
     /// The unit of a text, `um` or `0.325 um`; `None` if it is no length greater than 0.
     pub(crate) fn parse(text: &str) -> Option<Self> {
         if length_unit(text).is_some() {
@@ -58,7 +50,10 @@ impl Unit {
             });
         }
         let length = parse_quantity(text, Dimension::Length).ok()?;
-        (length > 0.0 && length.is_finite()).then(|| Self::metres(length))
+        (length > 0.0 && length.is_finite()).then(|| Self {
+            number: length,
+            symbol: "m".to_owned(),
+        })
     }
 }
 

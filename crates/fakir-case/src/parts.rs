@@ -76,7 +76,7 @@ pub(crate) struct PillarPatternParts {
     pub(crate) arrangement: ArrangementParts,
     pub(crate) pillars: String,
     pub(crate) pillar_columns: String,
-    pub(crate) pillar_unit: f64,
+    pub(crate) pillar_unit: String,
     pub(crate) axis: Point,
     pub(crate) top_radius: f64,
     pub(crate) pillar: Pillar,
@@ -193,7 +193,7 @@ impl Default for Parts {
                 arrangement: ArrangementParts::of_heights(Scatter::normal(0.0, 0)),
                 pillars: String::new(),
                 pillar_columns: String::new(),
-                pillar_unit: NOT_GIVEN,
+                pillar_unit: String::new(),
                 axis: [0.0; 2],
                 top_radius: NOT_GIVEN,
                 pillar: Pillar {

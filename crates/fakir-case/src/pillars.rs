@@ -330,10 +330,10 @@ mod tests {
             height: 2e-6,
             compliance: PillarCompliance::Column,
         };
-        let read = |text: &str, columns: &str, unit: Option<f64>| {
+        let read = |text: &str, columns: &str, unit: Option<&str>| {
             let given = Given {
                 columns: chosen_columns(columns)?,
-                unit: unit.map(Unit::metres),
+                unit: unit.and_then(Unit::parse),
             };
             let table = COLUMNS.parse("spots.csv", text.as_bytes(), &given, otherwise(&common));
             table
@@ -349,7 +349,7 @@ mod tests {
         let spots = ",y,x,mass,size,ecc,signal,raw_mass,ep,frame\n0,0.0,20.0,9e3,3.1,0.1,50.0,1e4,0.05,0\n1,0.0,60.0,9e3,3.1,0.1,50.0,1e4,0.05,0\n";
         let tabs = "Image\tName\tCentroid X \u{b5}m\tCentroid Y \u{b5}m\tNucleus: Area\na.tif\t\t10.0\t0.0\t28\na.tif\t\t30.0\t0.0\t28\n";
         let plain = "# made by hand\n7 10 0 6\n8 30 0 6\n";
-        let half = Some(0.5e-6);
+        let half = Some("0.5 um");
         let cases = [
             (
                 trackmate,
@@ -371,7 +371,7 @@ mod tests {
                 None,
                 5e-6,
             ),
-            (plain, "x = 2, y = 3, d = 4", Some(1e-6), 6e-6),
+            (plain, "x = 2, y = 3, d = 4", Some("um"), 6e-6),
         ];
         for (text, columns, unit, diameter) in cases {
             let rows = read(text, columns, unit).unwrap();
@@ -429,9 +429,11 @@ mod tests {
             "x [nm],y [nm]\n\n10000,0\n",
             "x / nm,y / nm\n# here\n10000,0\n",
         ] {
-            let rows = read(text, "x = 1, y = 2", half).unwrap();
+            let rows = read(text, "x = 1, y = 2", None).unwrap();
             assert!((rows[0][0] - 1e-5).abs() < 1e-17, "{text}: {rows:?}");
         }
+        let unused = read("x [nm],y [nm]\n1,2\n", "x = 1, y = 2", half).unwrap_err();
+        assert!(unused.contains("all columns have units"), "{unused}");
         let pixels = read("x,y\n(pixel),(pixel)\n1,2\n", "x = x, y = y", None).unwrap_err();
         assert!(pixels.contains("column \"x\" is in pixels"), "{pixels}");
     }

@@ -195,9 +195,9 @@ keys! {
                 .otherwise("their headings name them, and there are no others").with(Key::Lattice, &["listed"])
                 .unwritten(|p| p.pattern.pillar_columns.is_empty());
         PillarUnit = "pattern.pillar_unit" is
-            length("unit of columns without one, as 1 um, or the size of a pixel, as 0.325 um", |p| &mut p.pattern.pillar_unit)
-                .positive().otherwise("units are in the headings").with(Key::Lattice, &["listed"])
-                .unwritten(|p| p.pattern.pillar_unit.is_nan());
+            text("unit of columns without one, as um, or the size of a pixel, as 0.325 um", |p| &mut p.pattern.pillar_unit)
+                .otherwise("units are in the headings").with(Key::Lattice, &["listed"])
+                .unwritten(|p| p.pattern.pillar_unit.is_empty());
         AxisX = "pattern.axis_x" is
             length("position of the lens axis among listed pillars, along x", |p| &mut p.pattern.axis[0])
                 .optional().with(Key::Lattice, &["listed"]);

@@ -318,7 +318,7 @@ fn columns_and_unit_of_a_table_are_written() {
     assert!((case.system.pillar().diameter / 6e-6 - 1.0).abs() < 1e-12);
     let text = case.to_toml();
     assert!(
-        text.contains(columns) && text.contains("pillar_unit = \"500 nm\""),
+        text.contains(columns) && text.contains("pillar_unit = \"0.5 um\""),
         "{text}"
     );
     assert_eq!(parse(&text), case);
@@ -340,12 +340,15 @@ fn columns_and_unit_of_a_table_are_written() {
             "pillar_columns = \"x = 1\"\npillar.height = 2e-6\n",
             "pattern.pillar_columns: the column of y is missing",
         ),
-        ("pillar_unit = 0\n", "pattern.pillar_unit"),
+        (
+            "pillar_unit = \"0 um\"\n",
+            "pattern.pillar_unit: \"0 um\" is no unit of length",
+        ),
     ] {
         let error = read(setting).case().unwrap_err().to_string();
         assert!(error.contains(place), "{error}");
     }
-    let lattice = "lattice = \"square\"\npitch = 2e-5\npillar_unit = 1e-6\npillar = { diameter = 6e-6, height = 2e-6 }\n";
+    let lattice = "lattice = \"square\"\npitch = 2e-5\npillar_unit = \"um\"\npillar = { diameter = 6e-6, height = 2e-6 }\n";
     let text = format!("{bodies}[pattern]\n{lattice}");
     let error = CaseFile::parse("case.toml", &text).and_then(|file| file.case());
     assert!(error.unwrap_err().to_string().contains("pillar_unit"));

@@ -419,9 +419,9 @@ fn text(surfaces: &str, fitted: &CurveFits, wall_time: f64) -> String {
     text
 }
 
-/// What is to be known of how each file was read, if there is anything.
+/// Remarks on how each file was read, if there are any.
 fn remarks(curves: &[CurveFit]) -> String {
-    /// Most files, so that the results remain in sight.
+    /// Largest number of files with remarks, so that the results remain visible.
     const MOST: usize = 20;
     let fitted = curves.iter().enumerate();
     let fitted = fitted.filter_map(|(number, curve)| {

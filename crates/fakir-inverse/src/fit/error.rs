@@ -95,7 +95,7 @@ pub enum FitError {
     },
     /// A work of adhesion on loading, but the data begin with an unloading from an unknown load.
     #[error(
-        "{name}: {} takes rows of the loading, or the row at which it ended, if {} differs from it: what adheres on unloading depends on both",
+        "{name}: {} requires rows of the loading, or its last row, if {} is another one: the contact on unloading depends on both",
         Key::WorkOfAdhesion,
         Key::RecedingWorkOfAdhesion
     )]

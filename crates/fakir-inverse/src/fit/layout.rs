@@ -131,7 +131,7 @@ impl Layout {
         lines
     }
 
-    /// What was skipped, and what else is to be known of how the file was read.
+    /// Rows that were skipped, and notes on how the file was read.
     #[must_use]
     pub fn remarks(&self) -> Vec<String> {
         let skipped = self.skipped.iter().map(Skipped::words);

@@ -117,8 +117,8 @@ pub struct Measurements {
     position: Position,
     rows: Vec<Measurement>,
     layout: Layout,
-    /// See [`turning_load`](Self::turning_load).
-    turn: Option<f64>,
+    /// See [`unloading_point`](Self::unloading_point).
+    unloading_point: Option<f64>,
 }
 
 impl Measurements {
@@ -218,19 +218,19 @@ impl Measurements {
         self.rows = rows;
     }
 
-    /// The load at which the loading ended, as it was read, if it is known and larger than those of all rows: of a row that was not selected, or in
-    /// which nothing but the position was measured. The unloading begins there, and what adheres then depends on it.
+    /// The load, as read, at which the unloading begins, if it is larger than the loads of all rows: that of a row that was not selected, or of one in
+    /// which only the position was measured. The adhesive contact on unloading depends on it.
     #[must_use]
-    pub fn turning_load(&self) -> Option<f64> {
-        self.turn
+    pub fn unloading_point(&self) -> Option<f64> {
+        self.unloading_point
     }
 
-    /// Adds notes if a load cell seems to have been at its limit, and if rows are there several times.
+    /// Adds notes if the load cell seems to have been saturated, and if rows are repeated.
     fn note_repeated_rows(&mut self) {
-        /// Fewest rows with one force, and rows of a file of which they are one.
+        /// Fewest consecutive rows with the same force, and the fraction of a file that they must exceed, as one row of so many.
         const FEWEST: usize = 5;
         const ONE_OF: usize = 50;
-        /// Force, over the largest magnitude, from which a limit is likely: small forces are equal as they are rounded.
+        /// Smallest force of a limit, over the largest magnitude: small forces are equal because they are rounded.
         const LARGE: f64 = 0.3;
         let force = |row: &Measurement| row.force.map_or(f64::NAN, |force| force.value);
         let forces: Vec<f64> = self.rows.iter().map(force).collect();
@@ -252,7 +252,7 @@ impl Measurements {
                 let force = format_quantity(run[0], Dimension::Force);
                 let lines = [rows.start, rows.end - 1].map(|row| self.rows[row].line);
                 notes.push(format!(
-                    "{} rows, lines {} to {}, have the same force of {force}, the farthest from zero on its side: if the load cell was at its limit, leave them out",
+                    "{} rows (lines {} to {}) have the same extreme force of {force}: if the load cell was saturated, leave them out",
                     run.len(),
                     lines[0],
                     lines[1]
@@ -267,22 +267,22 @@ impl Measurements {
         let repeated = repeated.count();
         if 5 * repeated >= 2 * self.rows.len() && repeated >= FEWEST {
             notes.push(format!(
-                "{repeated} rows repeat the one before them, which makes the errors too small: leave them out"
+                "{repeated} rows repeat the row before them, so that the standard errors are too small: remove them"
             ));
         }
         self.layout.notes.extend(notes);
     }
 
-    /// Keeps the load of a row that is left out if the loading ended there, and notes it.
-    pub(super) fn keep_turn(&mut self, load: f64, line: u64) {
+    /// Keeps the load of a row that is left out if the unloading begins there, and adds a note.
+    pub(super) fn keep_unloading_point(&mut self, load: f64, line: u64) {
         let loads = self.loads();
         let largest = loads.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let has_unloading = self.branches().contains(&Branch::Unloading);
-        if has_unloading && load > largest.max(self.turn.unwrap_or(f64::NEG_INFINITY)) {
-            self.turn = Some(load);
+        if has_unloading && load > largest.max(self.unloading_point.unwrap_or(f64::NEG_INFINITY)) {
+            self.unloading_point = Some(load);
             let load = format_quantity(load, self.load_dimension());
             self.layout.notes.push(format!(
-                "the unloading begins at {load}, in line {line}, which is not used otherwise"
+                "the unloading begins at {load}, the load of line {line}, which is otherwise left out"
             ));
         }
     }
@@ -573,7 +573,7 @@ impl Reader<'_> {
             position,
             rows: Vec::new(),
             layout,
-            turn: None,
+            unloading_point: None,
         };
         let mut not_measured = Vec::new();
         let mut farthest: Option<(f64, u64)> = None;
@@ -602,7 +602,7 @@ impl Reader<'_> {
             .layout
             .skip(SkipReason::NotMeasured, not_measured);
         if let Some((load, line)) = farthest {
-            measurements.keep_turn(load, line);
+            measurements.keep_unloading_point(load, line);
         }
         measurements.note_cycles();
         measurements.note_repeated_rows();
@@ -758,7 +758,7 @@ mod tests {
             smaller.starts_with("data:4: lines 4 to 5 are a cycle"),
             "{smaller}"
         );
-        assert!(smaller.contains("give a column branch"), "{smaller}");
+        assert!(smaller.contains("--cycle 1"), "{smaller}");
         let not_back = message(&[0.0, 10.0, 4.0, 6.0, 10.0, 0.0]).unwrap_err();
         assert!(not_back.contains("lines 4 to 6") && not_back.contains("before the lens is back"));
     }

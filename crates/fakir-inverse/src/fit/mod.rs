@@ -310,8 +310,8 @@ pub struct Fit {
     pub pull_off: Option<FittedPullOff>,
     /// Whether the rows are the history of viscoelastic bodies.
     pub is_viscoelastic: bool,
-    /// Line of the first row if the data begin with the unloading there, so that nothing shows at which load it began.
-    pub assumed_turn: Option<u64>,
+    /// Line of the first row if the data contain no loading: the unloading is then assumed to begin there.
+    pub assumed_unloading_point: Option<u64>,
     /// Whether the data have contact radii that were left out: on rounded tops and height maps, where they jump.
     pub radii_left_out: bool,
     /// The case with the fitted values.
@@ -576,7 +576,7 @@ fn check(
             .is_some();
     if has_receding
         && free.contains(&Parameter::Key(Key::WorkOfAdhesion))
-        && data.turning_load().is_none()
+        && data.unloading_point().is_none()
         && !data.branches().contains(&Branch::Loading)
     {
         return Err(FitError::NoLoading {
@@ -609,10 +609,10 @@ fn check(
     Ok(())
 }
 
-/// Whether the loads of rows, each with its residual, go one way, but for a hold in which they are only noise. Their residuals are then compared in the
-/// order of the rows: sorted by noisy loads, those of a hold follow the noise.
+/// Whether the loads of rows, each given with its residual, increase or decrease, except for noise in a hold. Their residuals are then compared in the
+/// order of the rows: sorted by load, the residuals of a hold would follow the noise of the loads.
 fn moves_on(rows: &[(f64, f64)]) -> bool {
-    /// Largest part of the way that goes back.
+    /// Largest fraction of the changes in the other direction.
     const BACK: f64 = 0.25;
     let steps = rows.windows(2).map(|pair| pair[1].0 - pair[0].0);
     let (forward, back) = steps.fold((0.0, 0.0), |(forward, back), step: f64| {
@@ -1528,7 +1528,7 @@ impl<'a> Search<'a> {
             method: settings.case.method_name(),
             pull_off,
             is_viscoelastic: self.model.is_viscoelastic,
-            assumed_turn: self.model.assumed_turn(),
+            assumed_unloading_point: self.model.assumed_unloading_point(),
             radii_left_out: false,
             file: self.model.file(&self.unknowns),
             termination,

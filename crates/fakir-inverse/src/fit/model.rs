@@ -1137,24 +1137,26 @@ impl<'a> Model<'a> {
         let position = self.data.position();
         let loads = rows.map(|(row, moment)| settings.load(position, load_of(row), *moment));
         let largest = loads.fold(f64::NEG_INFINITY, f64::max);
-        match self.data.turning_load() {
-            Some(turn) => largest.max(settings.load(position, turn, self.moment_of_turn())),
+        match self.data.unloading_point() {
+            Some(turn) => {
+                largest.max(settings.load(position, turn, self.moment_of_unloading_point()))
+            }
             None => largest,
         }
     }
 
-    /// The line of the first row if the unloading is only taken to begin there, as the data have no loading; `None` without adhesion.
-    pub(super) fn assumed_turn(&self) -> Option<u64> {
+    /// The line of the first row if the data contain no loading, so that the unloading is assumed to begin there; `None` without adhesion.
+    pub(super) fn assumed_unloading_point(&self) -> Option<u64> {
         let is_loading = |branch: &&Branch| **branch == Branch::Loading;
         let is_alone =
             self.branches.len() > 2 && self.branches.iter().filter(is_loading).count() < 2;
-        let is_assumed = self.is_adhesive && is_alone && self.data.turning_load().is_none();
+        let is_assumed = self.is_adhesive && is_alone && self.data.unloading_point().is_none();
         let first = self.data.rows().first().filter(|_| is_assumed);
         first.map(|row| row.line)
     }
 
-    /// When a loading ended whose last row is not among the data: as the first row of the unloading.
-    fn moment_of_turn(&self) -> f64 {
+    /// The time of an unloading point that is not among the rows: that of the first row of the unloading.
+    fn moment_of_unloading_point(&self) -> f64 {
         let rows = self.branches.iter().zip(&self.moments);
         let mut unloading = rows.filter(|(branch, _)| **branch == Branch::Unloading);
         unloading.next().map_or(1.0, |(_, moment)| *moment)

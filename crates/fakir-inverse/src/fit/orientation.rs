@@ -18,7 +18,7 @@ const OUT_OF_CONTACT: f64 = 0.1;
 
 /// Detects reversed signs. The force is near zero at one end of the positions and largest at the other one, where the lens is in contact: there the
 /// position is the largest one, and the force is positive. If `is_open`, no sign is known, and the force may have an offset: contact is
-/// at the end where the force changes most. So it is for a load cell that was not set to zero, if the lens also turned there.
+/// at the end where the force changes most. The same holds for a load cell that was not set to zero, if the unloading begins at that end.
 pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     let value = |row: &RowValues, wanted: &[Column]| {
         let mut values = row.iter().filter(|(column, _)| wanted.contains(column));
@@ -41,8 +41,8 @@ pub(super) fn reversed(rows: &[(u64, RowValues)], is_open: bool) -> Reversed {
     found.or_else(with_offset).unwrap_or_default()
 }
 
-/// Whether the lens turned at the largest of the positions, in their order, or at the smallest one; `None` if both or none of them are at the beginning
-/// or the end.
+/// Whether the motion reverses at the largest position or at the smallest one, for positions in the order of the rows; `None` if it reverses at both or
+/// at neither.
 fn turning_end(points: &[[f64; 2]]) -> Option<bool> {
     let margin = points.len() / 20 + 1;
     let is_inside = |sign: f64| {
@@ -57,7 +57,7 @@ fn turning_end(points: &[[f64; 2]]) -> Option<bool> {
     }
 }
 
-/// The signs that the forces at both ends of the positions show, which are in their order; `None` if they show none.
+/// The signs that follow from the forces at both ends of the positions, which are sorted; `None` if the forces do not determine them.
 fn signs_at_ends(points: &[[f64; 2]], is_open: bool) -> Option<Reversed> {
     let count = points.len();
     let mean = |points: &[[f64; 2]]| {

@@ -236,7 +236,7 @@ impl Reader<'_> {
                     && differ(column, added, below, &candidate.factors)
                 {
                     let problem = format!(
-                        "named by hand in {added}, but the row of units says {below}: leave the unit out, or correct the row"
+                        "named by hand in {added}, but its unit in the row below is {below}: leave the unit out, or correct the row"
                     );
                     return Err(fail(heading, problem));
                 }

@@ -139,9 +139,9 @@ impl Fit {
                 .as_ref()
                 .map_or(Vec::new(), FittedCycle::warnings),
         );
-        if let Some(line) = self.assumed_turn {
+        if let Some(line) = self.assumed_unloading_point {
             warnings.push(format!(
-                "the data begin with the unloading: their first row (line {line}) is taken for the end of the loading, on which the adhesion on unloading depends; give the loading too, or its last row"
+                "the data contain no loading: the unloading is assumed to begin at the first row (line {line}), and the adhesive contact on unloading depends on that load; give the loading too, or its last row"
             ));
         }
         if self.radii_left_out {

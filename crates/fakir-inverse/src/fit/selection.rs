@@ -173,7 +173,7 @@ impl Measurements {
         self.layout_mut().skip(SkipReason::NotSelected, left);
         self.replace_rows(kept);
         if let Some((load, line)) = turn {
-            self.keep_turn(load, line);
+            self.keep_unloading_point(load, line);
         }
         Ok(self)
     }

@@ -359,8 +359,8 @@ fn the_end_of_the_loading_is_known_from_rows_that_are_left_out() {
     let solve = |data: &Measurements| fit(&begin(), data, &free, &options, &Run::default());
     let check = |data: &Measurements| {
         let found = solve(data).unwrap();
-        assert!(found.converged() && found.assumed_turn.is_none());
-        assert_eq!(data.turning_load(), Some(6e-6 + TRUE_POINT));
+        assert!(found.converged() && found.assumed_unloading_point.is_none());
+        assert_eq!(data.unloading_point(), Some(6e-6 + TRUE_POINT));
         for (parameter, truth) in free
             .into_iter()
             .zip([TRUE_MODULUS, TRUE_WORK, 90e-3, TRUE_POINT])
@@ -392,9 +392,9 @@ fn the_end_of_the_loading_is_known_from_rows_that_are_left_out() {
     let alone: Vec<_> = rows.into_iter().skip(40).collect();
     let mut columns = columns_of(&alone);
     let found = solve(&noisy(&columns, 5, 1e-7)).unwrap();
-    assert_eq!(found.assumed_turn, Some(1));
+    assert_eq!(found.assumed_unloading_point, Some(1));
     let warnings = found.warnings().join("\n");
-    assert!(warnings.contains("begin with the unloading"), "{warnings}");
+    assert!(warnings.contains("contain no loading"), "{warnings}");
     columns.push((Column::Branch, vec![1.0; alone.len()]));
     let error = solve(&Measurements::new(&columns).unwrap()).unwrap_err();
     assert!(matches!(error, FitError::NoLoading { .. }), "{error}");

@@ -211,7 +211,10 @@ fn files_of_other_instruments() {
     let text = "\"Time\",\"Force\",\"Stroke\"\n\"sec\",\"N\",\"mm\"\n0,1,1\n1,2,2\n";
     let named = [NamedColumn::parse("force=Force (mN)").unwrap()];
     let error = Measurements::from_csv("data", text.as_bytes(), &named).unwrap_err();
-    assert!(error.to_string().contains("row of units says N"), "{error}");
+    assert!(
+        error.to_string().contains("its unit in the row below is N"),
+        "{error}"
+    );
     let data = read_by_hand(text, &["force=Force (N)"], None);
     assert_eq!(data.rows().len(), 2);
 }
@@ -223,14 +226,14 @@ fn limits_of_a_load_cell_and_repeated_rows_are_noted() {
     let rows: Vec<String> = rows.collect();
     let data = read(&format!("z_um,force_uN\n{}", rows.concat()));
     assert!(
-        lines(&data).contains("13 rows, lines 9 to 21, have the same force of 20 uN"),
+        lines(&data).contains("13 rows (lines 9 to 21) have the same extreme force of 20 uN"),
         "{}",
         lines(&data)
     );
     let twice: String = rows[..8].iter().map(|row| row.repeat(2)).collect();
     let data = read(&format!("z_um,force_uN\n{twice}"));
     assert!(
-        lines(&data).contains("8 rows repeat the one before them"),
+        lines(&data).contains("8 rows repeat the row before them"),
         "{}",
         lines(&data)
     );
@@ -272,8 +275,8 @@ fn rows_are_selected() {
     };
     assert_eq!(count(&unloading), (15, 3));
     let chosen = data.clone().select(&unloading).unwrap();
-    assert_eq!(chosen.turning_load(), Some(4e-6));
-    assert!(lines(&chosen).contains("the unloading begins at 4 um, in line 14"));
+    assert_eq!(chosen.unloading_point(), Some(4e-6));
+    assert!(lines(&chosen).contains("the unloading begins at 4 um, the load of line 14"));
     let rows = Selection {
         rows: Selection::parse_rows("3:5").unwrap(),
         ..all
