@@ -145,7 +145,7 @@ export class Controls {
    */
   #text(key) {
     const { box, note, text } = textField(key);
-    text.placeholder = key.default === null ? "by their headings" : String(key.default);
+    text.placeholder = key.default === null ? "headings" : String(key.default);
     text.addEventListener("change", () => this.#changed(key.key, text.value.trim(), true, performance.now()));
     box.append(text, note);
     /** @type {(value: Value, typed: boolean) => void} */
