@@ -5,7 +5,7 @@ use crate::headings::{
     is_row, length_unit, of_area, units_below, without_brackets,
 };
 use crate::notation::{Doubt, Evidence, Marks, Notation, is_not_measured, number};
-use crate::table_text::{cells, is_statistic, read_table, text_of};
+use crate::table_text::{cells_of_row, is_statistic, read_table, text_of};
 use crate::unit::{Dimension, parse_quantity};
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
@@ -344,12 +344,9 @@ fn rows_of<'a>(
     let mut rows: Vec<Row> = Vec::new();
     let mut are_named = None;
     for (index, line) in lines {
-        let mut row = cells(line, headings.separator);
+        let mut row = cells_of_row(line, headings.separator, width);
         if row.iter().all(String::is_empty) {
             continue;
-        }
-        while row.len() > width && row.last().is_some_and(String::is_empty) {
-            row.pop();
         }
         // R writes no heading over the names of its rows. Commas might be decimal ones.
         let has_name = row.len() == width + 1 && headings.separator != ',';

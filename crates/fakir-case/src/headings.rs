@@ -253,11 +253,8 @@ impl<const N: usize> Columns<N> {
             let of_comments = comments.map(|(index, line)| (index, of_line(of_comment(line))));
             let mut of_comments = of_comments.filter(|(_, (known, _, _))| *known >= self.required);
             if let Some((index, (_, of_names, headings))) = of_comments.next() {
-                // The names may have another separator than the numbers below.
-                let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
-                let mut fitting = separators
-                    .filter(|separator| cells(lines[first], *separator).len() == headings.len());
-                return found(index, fitting.next().unwrap_or(of_names), headings);
+                let separator = separator_below(&lines[index + 1..], of_names, headings.len());
+                return found(index, separator, headings);
             }
         }
         found(first, separator, headings)
@@ -469,18 +466,22 @@ pub(crate) fn chosen_headings(lines: &[&str], columns: &[Chosen]) -> Result<Head
             return Err(format!("column {} is given twice", place + 1));
         }
     }
-    // The numbers may have another separator than names in a comment.
-    let row = lines[first..].iter().find(|line| is_row(line));
-    let separators = [separator, ' ', ',', ';', '\t'].into_iter();
-    let mut fitting =
-        separators.filter(|other| row.is_some_and(|row| cells(row, *other).len() == width));
     Ok(Headings {
         first,
-        separator: fitting.next().unwrap_or(separator),
+        separator: separator_below(&lines[first..], separator, width),
         texts,
         meanings,
         are_chosen: true,
     })
+}
+
+/// The separator of the rows below names with this one: names in a comment may have another.
+fn separator_below(lines: &[&str], of_names: char, count: usize) -> char {
+    let row = lines.iter().find(|line| is_row(line));
+    let separators = [of_names, ' ', ',', ';', '\t'].into_iter();
+    let mut fitting =
+        separators.filter(|other| row.is_some_and(|row| cells(row, *other).len() == count));
+    fitting.next().unwrap_or(of_names)
 }
 
 /// The error for a table that does not have all columns that the case names.

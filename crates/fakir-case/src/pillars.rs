@@ -215,6 +215,15 @@ mod tests {
             .map_err(|error| error.to_string())
     }
 
+    /// Asserts that the pillars of a text have the expected places along x and diameters.
+    fn assert_alike(found: &PillarList, expected: &PillarList, text: &str) {
+        for (one, other) in found.pillars().iter().zip(expected.pillars()) {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
+            assert!(near(one.centre[0], other.centre[0]), "{text}");
+            assert!(near(one.diameter, other.diameter), "{text}");
+        }
+    }
+
     #[test]
     fn columns_may_come_in_any_order_and_some_be_left_out() {
         let list =
@@ -277,11 +286,7 @@ mod tests {
             " ,Label,X [um],Y [um],Diameter [um],Area [um^2],Mean,Circ.\n1,a,10,0,4,1,9,1\n2,b,30,0,6,1,9,1\n",
         ] {
             let found = read(text).unwrap();
-            for (one, other) in found.pillars().iter().zip(expected.pillars()) {
-                let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
-                assert!(near(one.centre[0], other.centre[0]), "{text}");
-                assert!(near(one.diameter, other.diameter), "{text}");
-            }
+            assert_alike(&found, &expected, text);
         }
         // In UTF-16, as spreadsheets save "Unicode text".
         let wide = "\u{feff}X (\u{b5}m)\tY (\u{b5}m)\n10\t0\n".encode_utf16();
@@ -495,11 +500,7 @@ mod tests {
         ] {
             let found = read(text).unwrap_or_else(|error| panic!("{text}: {error}"));
             assert_eq!(found.pillars().len(), 2, "{text}");
-            for (one, other) in found.pillars().iter().zip(expected.pillars()) {
-                let near = |a: f64, b: f64| (a - b).abs() <= 1e-12 * b.abs();
-                assert!(near(one.centre[0], other.centre[0]), "{text}");
-                assert!(near(one.diameter, other.diameter), "{text}");
-            }
+            assert_alike(&found, &expected, text);
         }
         // ImageJ writes three decimals; commas separate the cells.
         let rows = read("x_um,y_um\n300,50\n600,50\n900,50\n1.125,150\n").unwrap();

@@ -226,6 +226,16 @@ pub fn cells(line: &str, separator: char) -> Vec<String> {
     cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
+/// Cells of a row below so many headings: empty cells behind them, as of a separator at the end, are left out.
+#[must_use]
+pub fn cells_of_row(line: &str, separator: char, count: usize) -> Vec<String> {
+    let mut cells = cells(line, separator);
+    while cells.len() > count && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    cells
+}
+
 /// Whether a label of a row names a statistic of the other rows: `Mean`, `Std. Dev.`, `Average (n = 7)`, `95% CI`.
 #[must_use]
 pub fn is_statistic(label: &str) -> bool {

@@ -293,7 +293,6 @@ fn fit_options(instrument: Instrument, starts: usize) -> FitOptions {
     }
 }
 
-/// Values of the free parameters that fit the data best.
 /// Whether the rows are a history over time, to which pauses belong.
 #[pyfunction]
 pub(crate) fn has_relaxation(case: Fittable<'_>, free: Vec<String>) -> PyResult<bool> {
@@ -307,6 +306,7 @@ pub(crate) fn has_relaxation(case: Fittable<'_>, free: Vec<String>) -> PyResult<
     }
 }
 
+/// Values of the free parameters that fit the data best.
 #[pyfunction]
 pub(crate) fn fit(
     py: Python<'_>,

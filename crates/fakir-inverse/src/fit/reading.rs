@@ -20,7 +20,7 @@ use super::segments::{
 use super::units::{Scale, example_unit, is_unit};
 use fakir::numerics::convergence::within;
 use fakir::state::Branch;
-use fakir_case::table_text::{is_statistic, text_of};
+use fakir_case::table_text::{cells_of_row, is_statistic, text_of};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::iter;
@@ -498,10 +498,7 @@ impl Reader<'_> {
         let used = heading.used.iter();
         let last_used = used.map(|used| used.place).max().unwrap_or(0);
         let cells_of = |text: &str| {
-            let mut cells = cells(text, separator);
-            while cells.len() > headings.len() && cells.last().is_some_and(String::is_empty) {
-                cells.pop();
-            }
+            let mut cells = cells_of_row(text, separator, headings.len());
             // LabVIEW leaves out the cell of a comment that ends a row.
             if separator != BLANKS && cells.len() > last_used {
                 cells.resize(cells.len().max(headings.len()), String::new());
@@ -1291,10 +1288,7 @@ fn are_numbers_below(lines: &[&str], separator: char, count: usize) -> bool {
     let separator = row_separator(lines, 0, separator, count).unwrap_or(separator);
     let rows = lines.iter().filter(|line| !line.trim().is_empty());
     for line in rows.take(MOST_LINES) {
-        let mut cells = cells(line, separator);
-        while cells.len() > count && cells.last().is_some_and(String::is_empty) {
-            cells.pop();
-        }
+        let cells = cells_of_row(line, separator, count);
         let numbers = cells.iter().filter(|cell| is_number(cell)).count();
         if numbers >= count.min(2) {
             // LabVIEW leaves out the cell of a comment that ends a row.
@@ -1375,10 +1369,7 @@ fn row_separator(lines: &[&str], first: usize, separator: char, count: usize) ->
         .filter(|line| comment(line).is_none());
     let of_row = |line: &&str| {
         let is_row = |separator: &&char| {
-            let mut cells = cells(line, **separator);
-            while cells.len() > count && cells.last().is_some_and(String::is_empty) {
-                cells.pop();
-            }
+            let cells = cells_of_row(line, **separator, count);
             cells.len() == count && cells.iter().any(|cell| is_number(cell))
         };
         separators.iter().find(is_row).copied()
