@@ -223,8 +223,7 @@ fn floor_limits(offset: f64) -> Vec<Limit> {
         [modes, DEGREE],
         &[],
         None,
-        run.workers(),
-        None,
+        (run.workers(), None),
     );
     let c = coefficients(sites.len() * modes + grid.len());
     let (of_tops, of_floor) = c.split_at(sites.len() * modes);

@@ -566,14 +566,12 @@ impl<'a> Newton<'a> {
             self.tops.sites.stretched(factor),
         );
         let degree = FLOOR_DEGREE.min(self.exterior.degree());
-        let mut coupling = FloorCoupling::new(
+        let mut coupling = FloorCoupling::undivided(
             &grid,
             (&sites, self.reach * factor),
             [self.contact.modes(), degree],
             layers,
-            None,
-            self.run.workers(),
-            self.run.pool,
+            (self.run.workers(), self.run.pool),
         );
         coupling.forms(self.contact.coefficients(), with)
     }

@@ -277,7 +277,8 @@ fn turned_lattices_have_turned_answers() {
         }),
         load,
     );
-    assert!((turned.force / straight.force - 1.0).abs() < 1e-12);
+    let off = turned.force / straight.force - 1.0;
+    assert!(off.abs() < 1e-12, "{off:e}");
     let floors = [&straight, &turned].map(|state| state.floor.as_ref().unwrap());
     let fields = [&straight, &turned].map(|state| state.fields.as_ref().unwrap());
     let (sin, cos) = 0.6_f64.sin_cos();

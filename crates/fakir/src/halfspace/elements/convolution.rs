@@ -287,7 +287,7 @@ impl<'p, T: Transform> Convolution<'p, T> {
         }
     }
 
-    pub(super) fn cells(&self) -> &Cells {
+    pub(crate) fn cells(&self) -> &Cells {
         &self.cells
     }
 

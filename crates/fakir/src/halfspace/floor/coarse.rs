@@ -182,15 +182,23 @@ impl Coarse {
                     let weight = if column == 0 { 0.5 } else { 1.0 };
                     let sums = &mut self.folded[column % self.shape[0] * stride..][..stride];
                     let sums = sums.chunks_exact_mut(2 * rows);
-                    let of_modes = sums.zip(values.chunks_exact(rows)).zip(parities);
-                    for ((sum, values), [_, odd]) in of_modes {
-                        let mirrored = if *odd { -weight } else { weight };
-                        for (row, value) in values.iter().enumerate() {
-                            let opposite = if row == 0 { 0 } else { rows - row };
-                            sum[row] += weight * value.double();
-                            sum[opposite] += mirrored * value.double();
+                    let of_modes = sums.zip(values.chunks_exact(rows));
+                    for (sum, values) in of_modes {
+                        for (sum, value) in sum.iter_mut().zip(values) {
+                            *sum += weight * value.double();
                         }
                     }
+                }
+            }
+        }
+        // Only now the mirror images of the rows, as there are fewer columns.
+        for sums in self.folded.chunks_exact_mut(stride) {
+            for (sum, [_, odd]) in sums.chunks_exact_mut(2 * rows).zip(parities) {
+                let sign = if *odd { -1.0 } else { 1.0 };
+                sum[0] += sign * sum[0];
+                for row in 1..=rows / 2 {
+                    let [one, other] = [sum[row], sum[rows - row]];
+                    (sum[row], sum[rows - row]) = (one + sign * other, other + sign * one);
                 }
             }
         }

@@ -18,10 +18,13 @@
 //! If the whole system is symmetric under reflections of x and of y, products are computed on [one quadrant](super::mirrored) instead of
 //! the [whole](super::whole).
 //!
+//! If the pillars extend far beyond the cells, their [far part](super::far) has a grid of its own.
+//!
 //! The effect of pillars at arbitrary positions on the floor is a [table](super::table) of every pillar and every cell; the interaction of
 //! floor cells remains a convolution.
 
 use super::coarse::{BesidePillars, Coarse};
+use super::far::{Interpolation, Part, Split};
 use super::grid::{Division, FloorGrid, Folding};
 use super::mirrored::Mirrored;
 use super::table::{PillarTable, ROUGH_ERROR};
@@ -33,6 +36,7 @@ use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::elements::convolution::{Convolution, Transform};
 use crate::numerics::vector::dot;
 use crate::numerics::workers::Workers;
+use crate::problem::Cells;
 use crate::problem::layer::WeightedLayer;
 use rayon::ThreadPool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -87,7 +91,14 @@ impl<'a> SurfaceCoupling<'a> {
     ) {
         // Releases the memory of the previous floor first.
         self.floor = None;
-        let floor = FloorCoupling::new(grid, pillars, modes, layers, kernels.take(), workers, pool);
+        let floor = FloorCoupling::new(
+            grid,
+            pillars,
+            modes,
+            layers,
+            kernels.take(),
+            (workers, pool),
+        );
         *kernels = Some(floor.kernels());
         self.floor = Some(Box::new(floor));
     }
@@ -121,6 +132,18 @@ pub(crate) struct FloorCoupling<'a> {
     pillars: Pillars,
     products: Products<'a>,
     folding: Folding,
+    /// The far part of the effect of the pillars, if it is computed separately.
+    far: Option<Box<FarPillars<'a>>>,
+}
+
+/// The far part of the effect of pillars, between these and nodes.
+struct FarPillars<'a> {
+    pillars: OnGrid,
+    products: Products<'a>,
+    interpolation: Interpolation,
+    /// Values at the nodes: distributed pressures, and displacements.
+    distributed: Vec<f64>,
+    displacements: Vec<f64>,
 }
 
 /// Products with the floor, in double precision and in single precision.
@@ -138,13 +161,19 @@ enum Products<'a> {
 
 /// How pillars are coupled to the floor.
 enum Pillars {
-    OnGrid {
-        /// Position of every pillar on the coarse grid, if it can be touched.
-        places: Vec<Option<usize>>,
-        coarse: Box<Coarse>,
-    },
+    OnGrid(Box<OnGrid>),
     Anywhere(PillarTable),
 }
+
+/// Pillars on a coarse grid.
+struct OnGrid {
+    /// Position of every pillar on the coarse grid, if it can be touched and affects the cells.
+    places: Vec<Option<usize>>,
+    coarse: Coarse,
+}
+
+/// What kernels belong to, besides the cells: the degree of the modes of pillars, if they are on the grid, and the part of their effect.
+type OfPillars = (Option<usize>, Part);
 
 /// Distance of the farthest pillar from the lens axis along x, and along y.
 #[derive(Debug, Clone, Copy)]
@@ -192,14 +221,14 @@ enum Kernels {
 
 impl FloorKernels {
     fn new(
-        grid: &FloorGrid,
+        (division, mirrored): (&Division, bool),
         coarse: [usize; 2],
-        degree: Option<usize>,
+        of_pillars: OfPillars,
         layers: &[WeightedLayer],
         workers: Workers<'_>,
     ) -> Self {
-        let whole = Together::new(&grid.division, coarse, degree, layers, workers);
-        if grid.mirrors.is_none() {
+        let whole = Together::new(division, coarse, of_pillars, layers, workers);
+        if !mirrored {
             let rough = Arc::new(whole.rounded());
             return Self(Kernels::Whole(Arc::new(whole), rough));
         }
@@ -210,9 +239,9 @@ impl FloorKernels {
     /// The same as [`new`](Self::new), with reuse of kernels computed before, in this solution or in another one: they depend neither on
     /// the load nor on moduli, except for the factors of layers.
     fn shared(
-        grid: &FloorGrid,
+        grid: (&Division, bool),
         coarse: [usize; 2],
-        degree: Option<usize>,
+        of_pillars: OfPillars,
         layers: &[WeightedLayer],
         workers: Workers<'_>,
     ) -> Self {
@@ -220,7 +249,7 @@ impl FloorKernels {
         let found = {
             let mut kept = kept();
             let is_it = |(of, kernels): &(Vec<WeightedLayer>, Self)| {
-                of == layers && kernels.are_of(grid, coarse, degree)
+                of == layers && kernels.are_of(grid, coarse, of_pillars)
             };
             kept.iter().position(is_it).map(|place| {
                 let last_used = kept.remove(place);
@@ -232,7 +261,7 @@ impl FloorKernels {
         if let Some(found) = found {
             return found.with_own_buffers();
         }
-        let kernels = Self::new(grid, coarse, degree, layers, workers);
+        let kernels = Self::new(grid, coarse, of_pillars, layers, workers);
         // They are undefined after cancellation.
         if kernels.bytes() <= LARGEST_KEPT && !workers.cancel.is_cancelled() {
             let own = kernels.with_own_buffers();
@@ -276,15 +305,18 @@ impl FloorKernels {
     }
 
     /// Whether the kernels belong to this grid.
-    fn are_of(&self, grid: &FloorGrid, coarse: [usize; 2], degree: Option<usize>) -> bool {
-        let (division, own, own_degree, mirrored) = match &self.0 {
-            Kernels::Whole(exact, _) => (&exact.division, exact.coarse, exact.degree, false),
-            Kernels::Mirrored(exact, _) => (&exact.division, exact.coarse, exact.degree, true),
+    fn are_of(&self, grid: (&Division, bool), coarse: [usize; 2], of_pillars: OfPillars) -> bool {
+        let (division, own, own_pillars, mirrored) = match &self.0 {
+            Kernels::Whole(exact, _) => {
+                let of_pillars = (exact.degree, exact.part);
+                (&exact.division, exact.coarse, of_pillars, false)
+            }
+            Kernels::Mirrored(exact, _) => {
+                let of_pillars = (exact.degree, exact.part);
+                (&exact.division, exact.coarse, of_pillars, true)
+            }
         };
-        *division == grid.division
-            && own == coarse
-            && own_degree == degree
-            && mirrored == grid.mirrors.is_some()
+        (division, mirrored) == grid && own == coarse && own_pillars == of_pillars
     }
 }
 
@@ -296,43 +328,81 @@ impl<'a> FloorCoupling<'a> {
     pub(crate) fn new(
         grid: &FloorGrid,
         (sites, reach): (&Sites, f64),
+        modes: [usize; 2],
+        layers: &[WeightedLayer],
+        known: Option<FloorKernels>,
+        threads: (Workers<'_>, Option<&'a ThreadPool>),
+    ) -> Self {
+        let extent = PillarExtent::new(sites, reach, grid.holds_pillars());
+        let split = Split::of(&grid.division, grid.radius, extent.farthest);
+        Self::with_split(split, grid, (sites, reach), modes, layers, known, threads)
+    }
+
+    /// The same without a separate far part, for differences of products on almost equal grids: the error of the far part depends on the
+    /// position of the nodes.
+    pub(crate) fn undivided(
+        grid: &FloorGrid,
+        pillars: (&Sites, f64),
+        modes: [usize; 2],
+        layers: &[WeightedLayer],
+        threads: (Workers<'_>, Option<&'a ThreadPool>),
+    ) -> Self {
+        Self::with_split(None, grid, pillars, modes, layers, None, threads)
+    }
+
+    fn with_split(
+        split: Option<Split>,
+        grid: &FloorGrid,
+        (sites, reach): (&Sites, f64),
         [modes, degree]: [usize; 2],
         layers: &[WeightedLayer],
         known: Option<FloorKernels>,
-        workers: Workers<'_>,
-        pool: Option<&'a ThreadPool>,
+        (workers, pool): (Workers<'_>, Option<&'a ThreadPool>),
     ) -> Self {
         let extent = PillarExtent::new(sites, reach, grid.holds_pillars());
-        let coarse = FloorGrid::period(&grid.division, grid.radius, extent.farthest);
+        let period = match &split {
+            Some(split) => split.periods[0],
+            None => FloorGrid::period(&grid.division, grid.radius, extent.farthest),
+        };
         let on_grid = grid.holds_pillars().then_some(degree);
+        let part = split.map_or(Part::Whole, |split| Part::Near(split.step));
+        let cells = (&grid.division, grid.mirrors.is_some());
         let kernels = known
-            .filter(|kernels| kernels.are_of(grid, coarse, on_grid))
-            .unwrap_or_else(|| FloorKernels::shared(grid, coarse, on_grid, layers, workers));
+            .filter(|kernels| kernels.are_of(cells, period, (on_grid, part)))
+            .unwrap_or_else(|| {
+                FloorKernels::shared(cells, period, (on_grid, part), layers, workers)
+            });
         let pillars = if grid.holds_pillars() {
-            let place = |pillar: usize| {
-                let [x, y] = sites.centres()[pillar];
-                let place = grid.place_of(sites.index(pillar))?;
-                let [u, v] = match &grid.mirrors {
-                    Some(mirrors) => mirrors.place_from_axis(place),
-                    None => place,
-                };
-                let wrapped = |at: i64, k: usize| at.rem_euclid(coarse[k] as i64) as usize;
-                (x.hypot(y) <= reach).then(|| wrapped(v, 1) * coarse[0] + wrapped(u, 0))
-            };
-            Pillars::OnGrid {
-                places: (0..sites.len()).map(place).collect(),
-                coarse: Box::new(Coarse::new(coarse, mode_count(degree))),
-            }
+            let near = split.map_or(reach, |split| split.near_reach(grid.radius).min(reach));
+            let modes = mode_count(degree);
+            Pillars::OnGrid(Box::new(OnGrid::new(
+                grid,
+                (sites, near),
+                modes,
+                period,
+                None,
+            )))
         } else {
             let sites = (sites, reach);
             Pillars::Anywhere(PillarTable::new(grid, sites, degree, layers, workers))
         };
+        let far = split.and_then(|split| {
+            FarPillars::new(
+                grid,
+                (sites, reach),
+                degree,
+                &split,
+                (layers, workers),
+                pool,
+            )
+        });
         Self {
             cells: grid.len(),
             modes,
             pillars,
-            products: Products::new(grid, kernels, pool),
+            products: Products::new(grid.own_cells(), kernels, pool),
             folding: Folding::new(grid),
+            far: far.map(Box::new),
         }
     }
 
@@ -368,7 +438,7 @@ impl<'a> FloorCoupling<'a> {
         })
     }
 
-    /// Approximate memory in bytes, including the vectors of the solution.
+    /// Approximate memory in bytes, including the vectors of the solution, with a single transform of cells and pillars.
     pub(crate) fn memory_estimate(
         division: &Division,
         radius: f64,
@@ -391,8 +461,8 @@ impl<'a> FloorCoupling<'a> {
         build + 1.5 * (kept + folded + 16.0 * stored * half) + vectors + tables
     }
 
-    /// Approximate number of values that a product processes: points of the transform, and those of the table of pillars at arbitrary
-    /// positions.
+    /// Approximate number of values that a product processes: points of a single transform of cells and pillars, and values of the table of
+    /// pillars at arbitrary positions.
     pub(crate) fn points(
         division: &Division,
         radius: f64,
@@ -414,35 +484,69 @@ impl<'a> FloorCoupling<'a> {
     /// `LatticeConvolution::least_work`.
     #[cfg(any(test, feature = "kernels"))]
     pub(crate) fn least_work(&self, rough: bool) -> Option<[f64; 2]> {
-        let Pillars::OnGrid { coarse, .. } = &self.pillars else {
+        let Pillars::OnGrid(pillars) = &self.pillars else {
             return None;
         };
-        let coarse = coarse.shape();
-        Some(match &self.products {
-            Products::Whole { exact, .. } if !rough => least_work(exact, coarse),
-            Products::Whole { rough, .. } => least_work(rough, coarse),
-            Products::Mirrored { exact, .. } if !rough => least_work(exact, coarse),
-            Products::Mirrored { rough, .. } => least_work(rough, coarse),
-        })
+        let of = |products: &Products<'_>, pillars: &OnGrid| {
+            let coarse = pillars.coarse.shape();
+            match products {
+                Products::Whole { exact, .. } if !rough => least_work(exact, coarse),
+                Products::Whole { rough, .. } => least_work(rough, coarse),
+                Products::Mirrored { exact, .. } if !rough => least_work(exact, coarse),
+                Products::Mirrored { rough, .. } => least_work(rough, coarse),
+            }
+        };
+        let near = of(&self.products, pillars);
+        let far = self.far.as_ref();
+        let far = far.map_or([0.0; 2], |far| of(&far.products, &far.pillars));
+        Some([near[0] + far[0], near[1] + far[1]])
     }
 
     /// Adds to the loads on pillar tops, and sets those on floor cells.
     pub(crate) fn apply(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
-        let floor = (&mut self.folding, &mut self.pillars, self.modes);
-        let table = PillarTable::apply;
-        match &mut self.products {
-            Products::Whole { exact, .. } => apply(exact, floor, table, coefficients, far),
-            Products::Mirrored { exact, .. } => apply(exact, floor, table, coefficients, far),
-        }
+        self.apply_by(Precision::Double, coefficients, far);
     }
 
     /// The same in single precision.
     pub(crate) fn apply_roughly(&mut self, coefficients: [&[f64]; 2], far: [&mut [f64]; 2]) {
-        let floor = (&mut self.folding, &mut self.pillars, self.modes);
-        let table = PillarTable::apply_roughly;
-        match &mut self.products {
-            Products::Whole { rough, .. } => apply(rough, floor, table, coefficients, far),
-            Products::Mirrored { rough, .. } => apply(rough, floor, table, coefficients, far),
+        self.apply_by(Precision::Single, coefficients, far);
+    }
+
+    fn apply_by(
+        &mut self,
+        precision: Precision,
+        [tops, floor]: [&[f64]; 2],
+        [far_tops, far_floor]: [&mut [f64]; 2],
+    ) {
+        let (modes, products) = (self.modes, &mut self.products);
+        let far = &mut self.far;
+        if let Pillars::OnGrid(pillars) = &mut self.pillars {
+            products.take(precision, pillars, modes, tops);
+        }
+        if let Some(far) = far {
+            far.products.take(precision, &mut far.pillars, modes, tops);
+        }
+        self.folding
+            .through(floor, far_floor, |values, displacements| {
+                products.convolve(precision, values, displacements);
+                if let Some(far) = far {
+                    far.convolve(precision, products.cells(), values, displacements);
+                }
+            });
+        match &mut self.pillars {
+            Pillars::OnGrid(pillars) => products.give(precision, pillars, modes, far_tops),
+            Pillars::Anywhere(table) => {
+                let (of, far) = ([tops, floor], [far_tops, far_floor]);
+                match precision {
+                    Precision::Double => table.apply(modes, of, far),
+                    Precision::Single => table.apply_roughly(modes, of, far),
+                }
+                return;
+            }
+        }
+        if let Some(far) = far {
+            far.products
+                .give(precision, &mut far.pillars, modes, far_tops);
         }
     }
 
@@ -455,24 +559,168 @@ impl<'a> FloorCoupling<'a> {
     }
 }
 
+/// Precision of a product.
+#[derive(Debug, Clone, Copy)]
+enum Precision {
+    Double,
+    Single,
+}
+
+/// Evaluates an expression with the convolution of the given precision.
+macro_rules! with_convolution {
+    ($products:expr, $precision:expr, $convolution:ident => $value:expr) => {
+        match ($products, $precision) {
+            (
+                Products::Whole {
+                    exact: $convolution,
+                    ..
+                },
+                Precision::Double,
+            ) => $value,
+            (
+                Products::Whole {
+                    rough: $convolution,
+                    ..
+                },
+                Precision::Single,
+            ) => $value,
+            (
+                Products::Mirrored {
+                    exact: $convolution,
+                    ..
+                },
+                Precision::Double,
+            ) => $value,
+            (
+                Products::Mirrored {
+                    rough: $convolution,
+                    ..
+                },
+                Precision::Single,
+            ) => $value,
+        }
+    };
+}
+
 impl<'a> Products<'a> {
-    fn new(grid: &FloorGrid, kernels: FloorKernels, pool: Option<&'a ThreadPool>) -> Self {
-        match (kernels.0, &grid.mirrors) {
-            (Kernels::Mirrored(exact, rough), Some(mirrors)) => {
-                let cells = &mirrors.quadrant;
-                Self::Mirrored {
-                    exact: Convolution::new(cells.clone(), [0, 0], exact, pool),
-                    rough: Convolution::new(cells.clone(), [0, 0], rough, pool),
+    /// On the cells, which are those of a quadrant if the kernels are.
+    fn new(cells: &Cells, kernels: FloorKernels, pool: Option<&'a ThreadPool>) -> Self {
+        match kernels.0 {
+            Kernels::Mirrored(exact, rough) => Self::Mirrored {
+                exact: Convolution::new(cells.clone(), [0, 0], exact, pool),
+                rough: Convolution::new(cells.clone(), [0, 0], rough, pool),
+            },
+            Kernels::Whole(exact, rough) => Self::Whole {
+                exact: Convolution::new(cells.clone(), [0, 0], exact, pool),
+                rough: Convolution::new(cells.clone(), [0, 0], rough, pool),
+            },
+        }
+    }
+
+    fn cells(&self) -> &Cells {
+        with_convolution!(self, Precision::Double, convolution => convolution.cells())
+    }
+
+    /// Takes the coefficients of pillars with this number of modes for the next convolution.
+    fn take(&self, precision: Precision, pillars: &mut OnGrid, modes: usize, tops: &[f64]) {
+        with_convolution!(self, precision, convolution => {
+            let together = convolution.transform();
+            for mode in 0..together.odd().len() {
+                let values = tops.iter().skip(mode).step_by(modes);
+                pillars.coarse.put(&pillars.places, values);
+                together.take_mode(&mut pillars.coarse, mode);
+            }
+        });
+    }
+
+    fn convolve(&mut self, precision: Precision, values: &[f64], displacements: &mut [f64]) {
+        with_convolution!(self, precision, convolution => convolution.apply(values, displacements));
+    }
+
+    /// Adds the loads on pillars by the last convolution.
+    fn give(&self, precision: Precision, pillars: &mut OnGrid, modes: usize, far: &mut [f64]) {
+        with_convolution!(self, precision, convolution => {
+            let together = convolution.transform();
+            together.gather(&mut pillars.coarse);
+            for (mode, &odd) in together.odd().iter().enumerate() {
+                pillars.coarse.back(mode, odd);
+                let far = far.iter_mut().skip(mode).step_by(modes);
+                for (far, place) in far.zip(&pillars.places) {
+                    if let Some(place) = place {
+                        *far += pillars.coarse.grid[*place];
+                    }
                 }
             }
-            (Kernels::Whole(exact, rough), _) => Self::Whole {
-                exact: Convolution::new(grid.cells.clone(), [0, 0], exact, pool),
-                rough: Convolution::new(grid.cells.clone(), [0, 0], rough, pool),
-            },
-            (Kernels::Mirrored(..), None) => {
-                unreachable!("mirrored kernels require a grid with mirrors")
-            }
+        });
+    }
+}
+
+impl OnGrid {
+    /// The pillars within `reach` of the lens axis, on a coarse grid with this period; for the far part if there is a `split`.
+    fn new(
+        grid: &FloorGrid,
+        (sites, reach): (&Sites, f64),
+        modes: usize,
+        period: [usize; 2],
+        split: Option<&Split>,
+    ) -> Self {
+        let place = |pillar: usize| {
+            let [x, y] = sites.centres()[pillar];
+            let place = grid.place_of(sites.index(pillar))?;
+            let place = match &grid.mirrors {
+                Some(mirrors) => mirrors.place_from_axis(place),
+                None => place,
+            };
+            let [u, v] = match split {
+                Some(split) => split.place(place, grid.mirrors.is_some()),
+                None => place,
+            };
+            let wrapped = |at: i64, k: usize| at.rem_euclid(period[k] as i64) as usize;
+            (x.hypot(y) <= reach).then(|| wrapped(v, 1) * period[0] + wrapped(u, 0))
+        };
+        Self {
+            places: (0..sites.len()).map(place).collect(),
+            coarse: Coarse::new(period, modes),
         }
+    }
+}
+
+impl<'a> FarPillars<'a> {
+    fn new(
+        grid: &FloorGrid,
+        pillars: (&Sites, f64),
+        degree: usize,
+        split: &Split,
+        (layers, workers): (&[WeightedLayer], Workers<'_>),
+        pool: Option<&'a ThreadPool>,
+    ) -> Option<Self> {
+        let mirrored = grid.mirrors.is_some();
+        let interpolation = Interpolation::new(split, grid.own_cells().grid(), mirrored)?;
+        let (cells, period) = ((&split.nodes, mirrored), split.periods[1]);
+        let of_pillars = (Some(degree), Part::Far(split.step));
+        let kernels = FloorKernels::shared(cells, period, of_pillars, layers, workers);
+        let count = interpolation.nodes.len();
+        Some(Self {
+            pillars: OnGrid::new(grid, pillars, mode_count(degree), period, Some(split)),
+            products: Products::new(&interpolation.nodes, kernels, pool),
+            interpolation,
+            distributed: vec![0.0; count],
+            displacements: vec![0.0; count],
+        })
+    }
+
+    /// Adds the displacements of the cells, and prepares the loads on the pillars.
+    fn convolve(
+        &mut self,
+        precision: Precision,
+        cells: &Cells,
+        values: &[f64],
+        displacements: &mut [f64],
+    ) {
+        let (distributed, at_nodes) = (&mut self.distributed, &mut self.displacements);
+        self.interpolation.distribute(cells, values, distributed);
+        self.products.convolve(precision, distributed, at_nodes);
+        self.interpolation.add(at_nodes, cells, displacements);
     }
 }
 
@@ -504,40 +752,6 @@ fn least_work<T: Transform + BesidePillars>(
         + transform.kernel_count() as f64;
     let bytes = size_of::<T::Real>() as f64 * numbers;
     [transforms + multiplied, bytes]
-}
-
-fn apply<T: Transform + BesidePillars>(
-    convolution: &mut Convolution<'_, T>,
-    (folding, pillars, modes): (&mut Folding, &mut Pillars, usize),
-    with_table: impl FnOnce(&mut PillarTable, usize, [&[f64]; 2], [&mut [f64]; 2]),
-    [tops, floor]: [&[f64]; 2],
-    [far_tops, far_floor]: [&mut [f64]; 2],
-) {
-    let (places, coarse) = match pillars {
-        Pillars::OnGrid { places, coarse } => (places, coarse),
-        Pillars::Anywhere(table) => {
-            convolution.apply(floor, far_floor);
-            return with_table(table, modes, [tops, floor], [far_tops, far_floor]);
-        }
-    };
-    let together = Arc::clone(convolution.transform());
-    for mode in 0..together.odd().len() {
-        coarse.put(places, tops.iter().skip(mode).step_by(modes));
-        together.take_mode(coarse, mode);
-    }
-    folding.through(floor, far_floor, |values, transformed| {
-        convolution.apply(values, transformed);
-    });
-    together.gather(coarse);
-    for (mode, &odd) in together.odd().iter().enumerate() {
-        coarse.back(mode, odd);
-        let far = far_tops.iter_mut().skip(mode).step_by(modes);
-        for (far, place) in far.zip(&*places) {
-            if let Some(place) = place {
-                *far += coarse.grid[*place];
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -667,8 +881,7 @@ mod tests {
                     [modes, 2],
                     layers,
                     None,
-                    workers,
-                    pool,
+                    (workers, pool),
                 );
                 // Twice, since the first product must not affect the second.
                 for tolerance in [1e-12, 1e-12, 1e-5] {
@@ -766,7 +979,7 @@ mod tests {
             let mut products = [&whole, &quadrant].map(|grid| {
                 let pillars = (&sites, 1e9);
                 let mut floor =
-                    FloorCoupling::new(grid, pillars, [modes, 2], &[], None, workers, None);
+                    FloorCoupling::new(grid, pillars, [modes, 2], &[], None, (workers, None));
                 work.push([false, true].map(|rough| floor.least_work(rough).unwrap()));
                 [false, false, true].map(|roughly| {
                     let mut far = vec![0.0; coefficients.len()];
@@ -821,7 +1034,7 @@ mod tests {
             let tops = 6 * sites.len();
             let new = || {
                 let pillars = (&sites, 1e9);
-                FloorCoupling::new(&grid, pillars, [6, 2], &[], None, workers, None)
+                FloorCoupling::new(&grid, pillars, [6, 2], &[], None, (workers, None))
             };
             let product = |floor: &mut FloorCoupling<'_>, coefficients: &[f64]| {
                 let mut far = vec![0.0; coefficients.len()];
@@ -837,6 +1050,101 @@ mod tests {
             assert_eq!(product(&mut second, &one), expected);
             let size = FloorKernels::bytes(&first.kernels());
             assert!(size > 0 && size <= LARGEST_KEPT);
+        }
+    }
+
+    /// A floor with pillars far around it, whose effect is divided, and that of the undivided product.
+    #[test]
+    fn far_pillars_act_as_if_undivided() {
+        let paper = |offset| {
+            hexagonal(HexagonalLattice {
+                pitch: 6.02,
+                offset,
+                offset_angle: 0.4,
+            })
+        };
+        for (field, radius, fineness) in [
+            (paper(0.0), 12.0, 8),
+            (paper(0.0), 25.0, 12),
+            (paper(0.37), 12.0, 8),
+            (plane([[4.0, 0.0], [0.0, 4.0]], [0.0, 0.0]), 6.0, 6),
+            (plane([[4.0, 0.0], [2.0, 4.4]], [0.3, -0.7]), 12.0, 8),
+        ] {
+            let thin = WeightedLayer {
+                thickness: 1.5,
+                ..crate::halfspace::layer::tests::film()
+            };
+            for layers in [&[][..], &[crate::halfspace::layer::tests::film()], &[thin]] {
+                let sites = Sites::within(&field, 70.0);
+                let grid = FloorGrid::new(&field, Division::new(&field, fineness), radius);
+                let mut grid = grid.unwrap();
+                if let Some(axis) = field.mirrored_at() {
+                    grid = grid.with_mirrors(axis);
+                }
+                let (cancel, tops) = (CancelToken::default(), 6 * sites.len());
+                let workers = Workers {
+                    pool: None,
+                    cancel: &cancel,
+                };
+                // Pressures: positive, and symmetric if the system is.
+                let mut c: Vec<f64> = sites
+                    .centres()
+                    .iter()
+                    .flat_map(|[x, y]| {
+                        let force = (1.0 - (x * x + y * y) / 4900.0).max(0.0).sqrt();
+                        [
+                            force,
+                            0.1 * x / 70.0,
+                            0.1 * y / 70.0,
+                            0.05 * force,
+                            0.0,
+                            0.0,
+                        ]
+                    })
+                    .collect();
+                c.extend(
+                    grid.cells.centres().map(|[x, y]| {
+                        0.3 * (1.0 - (x * x + y * y) / radius.powi(2)).max(0.0).sqrt()
+                    }),
+                );
+                let threads = (workers, None);
+                let pillars = (&sites, 1e9);
+                let mut one = FloorCoupling::undivided(&grid, pillars, [6, 2], layers, threads);
+                let mut other = FloorCoupling::new(&grid, pillars, [6, 2], layers, None, threads);
+                assert!(other.far.is_some());
+                let product = |floor: &mut FloorCoupling<'_>, roughly: bool| {
+                    let mut far = vec![0.0; c.len()];
+                    let (far_tops, far_floor) = far.split_at_mut(tops);
+                    let of = c.split_at(tops).into();
+                    if roughly {
+                        floor.apply_roughly(of, [far_tops, far_floor]);
+                    } else {
+                        floor.apply(of, [far_tops, far_floor]);
+                    }
+                    far
+                };
+                let expected = product(&mut one, false);
+                for (roughly, tolerance, of_work) in [(false, 1e-7, 1e-8), (true, 1e-5, 1e-6)] {
+                    let found = product(&mut other, roughly);
+                    for range in [0..tops, tops..c.len()] {
+                        let of = |values: &[f64]| {
+                            values.iter().fold(0.0_f64, |most, x| most.max(x.abs()))
+                        };
+                        let pairs = found[range.clone()].iter().zip(&expected[range.clone()]);
+                        let off: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+                        let error = of(&off) / of(&expected[range]);
+                        assert!(error < tolerance, "{field:?}: {error:e}");
+                    }
+                    // Errors oscillate, so that those of the work are smaller.
+                    let work: f64 = c
+                        .iter()
+                        .zip(&expected)
+                        .map(|(c, far)| (c * far).abs())
+                        .sum();
+                    let error = (dot(&c, &found) - dot(&c, &expected)).abs() / work;
+                    assert!(error < of_work, "{field:?}: {error:e}");
+                }
+            }
         }
     }
 
@@ -858,8 +1166,7 @@ mod tests {
                     [6, 2],
                     &[],
                     None,
-                    workers,
-                    None,
+                    (workers, None),
                 ))),
             };
             let size = window.len() * 6 + grid.len();

@@ -14,6 +14,12 @@ use std::sync::Arc;
 /// Distances from the rim of a pillar below this are rounding errors.
 const ROUNDING: f64 = 1e-12;
 
+/// Half the distance of the two Gauss points, relative to half a side.
+pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
+
+/// Ratio of numbers of rows up to which one that is divisible by eight is better.
+const MORE_ROWS_IN_EIGHTS: f64 = 1.25;
+
 /// Size of the floor cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Division {
@@ -63,7 +69,7 @@ impl Division {
     }
 
     /// Sides of a cell of the coarse grid.
-    fn coarse_sides(&self) -> [f64; 2] {
+    pub(super) fn coarse_sides(&self) -> [f64; 2] {
         [0, 1].map(|k| self.parts[k] as f64 * self.cell[k])
     }
 }
@@ -297,6 +303,14 @@ impl FloorGrid {
         }
     }
 
+    /// The cells of the quadrant if the system is symmetric, and otherwise all.
+    pub(super) fn own_cells(&self) -> &Cells {
+        match &self.mirrors {
+            Some(mirrors) => &mirrors.quadrant,
+            None => &self.cells,
+        }
+    }
+
     /// Number of cells.
     pub(crate) fn len(&self) -> usize {
         self.cells.len()
@@ -339,9 +353,17 @@ impl FloorGrid {
             // The cells begin and end with complete cells of the coarse grid.
             let cells = (2.0 * radius / sides[k]).ceil() as usize + 1;
             let count = cells.max((2.0 * farthest / sides[k]).ceil() as usize);
-            // Rows are processed in groups of four, columns in groups of two.
-            let together = if k == 1 { 4 } else { 2 };
-            together * smooth_number(count.div_ceil(together))
+            let of_groups = |together: usize| together * smooth_number(count.div_ceil(together));
+            if k == 0 {
+                return of_groups(2);
+            }
+            // Rows are processed in groups of four, or of eight in single precision.
+            let [fours, eights] = [4, 8].map(of_groups);
+            if eights as f64 <= MORE_ROWS_IN_EIGHTS * fours as f64 {
+                eights
+            } else {
+                fours
+            }
         })
     }
 }

@@ -1,6 +1,7 @@
 //! Mean displacement of a rectangle due to a loaded rectangle or a loaded pillar top.
 
-use super::grid::Division;
+use super::far::Part;
+use super::grid::{Division, GAUSS};
 use crate::halfspace::disc::exterior::Exterior;
 use crate::halfspace::layer::force::AroundForce;
 use crate::numerics::vector::{LANES, Lanes, widest};
@@ -10,9 +11,6 @@ use std::f64::consts::PI;
 /// Distance, in longer sides of a cell, above which the interaction of two rectangles is computed from their moments: there the closed form
 /// is a small difference of large terms. The two agree to 1e-10 at this distance.
 const FAR: f64 = 24.0;
-
-/// Half the distance of the two Gauss points, relative to half a side.
-pub(super) const GAUSS: f64 = 0.577_350_269_189_625_8;
 
 /// Mean displacement of a rectangle due to a unit pressure on an equal one, on a half-space of unit compliance.
 ///
@@ -132,9 +130,10 @@ fn fourfold_integral(x: f64, y: f64) -> f64 {
 }
 
 /// Mean displacement of rectangles due to the modes of a pillar top whose centre is a corner of the grid: by two Gauss points in each
-/// direction. Zero on rectangles that the top covers or cuts.
+/// direction. Zero on rectangles that the top covers or cuts. The far [part](Part) is evaluated at the centres.
 pub(crate) struct PillarMeans {
     exterior: Exterior,
+    part: Part,
     /// Lower left corners are integer multiples of this.
     cell: [f64; 2],
     /// The Gauss points relative to the lower left corner.
@@ -144,9 +143,18 @@ pub(crate) struct PillarMeans {
 
 impl PillarMeans {
     /// Prepares the means for the modes up to a degree, on half-spaces or layers.
-    pub(crate) fn new(division: &Division, degree: usize, layers: &[WeightedLayer]) -> Self {
+    pub(super) fn new(
+        division: &Division,
+        degree: usize,
+        layers: &[WeightedLayer],
+        part: Part,
+    ) -> Self {
         let cell = division.cell;
-        let sides = [-GAUSS, GAUSS];
+        let sides = if part.is_at_centres() {
+            [0.0; 2]
+        } else {
+            [-GAUSS, GAUSS]
+        };
         let along = |k: usize, of: [usize; LANES]| {
             Lanes(of.map(|point| 0.5 * cell[k] * (1.0 + sides[point])))
         };
@@ -156,6 +164,7 @@ impl PillarMeans {
             points: [along(0, [0, 0, 1, 1]), along(1, [0, 1, 0, 1])],
             values: vec![Lanes::default(); exterior.count()],
             exterior,
+            part,
         }
     }
 
@@ -171,14 +180,17 @@ impl PillarMeans {
                     let x = column as f64 * self.cell[0];
                     // Corners on the rim belong to cells outside the top, despite rounding.
                     let covered = x * x + y * y < 1.0 - 1e-12;
+                    let zero = covered || self.part.is_zero_from(x.hypot(y));
                     let at_x = Lanes::splat(x) + self.points[0];
-                    if !covered {
+                    let mut weight = Lanes::splat(0.25);
+                    if !zero {
                         let radii = Lanes::splat(1.0);
                         self.exterior
                             .lane_values([at_x, at_y], radii, &mut self.values);
+                        weight = weight * self.part.weight(at_x * at_x + at_y * at_y);
                     }
                     for (mode, value) in self.values.iter().enumerate() {
-                        let mean = if covered { 0.0 } else { 0.25 * value.sum() };
+                        let mean = if zero { 0.0 } else { (weight * *value).sum() };
                         means[mode * columns + column] = mean;
                     }
                 }
@@ -279,7 +291,7 @@ mod tests {
         let [width, height] = division.cell;
         let exterior = Exterior::new(2);
         let rule = gauss_legendre(20);
-        let mut of_pillar = PillarMeans::new(&division, 2, &[]);
+        let mut of_pillar = PillarMeans::new(&division, 2, &[], Part::Whole);
         for ([columns, rows], tolerance) in [([3, 1], 2e-3), ([7, 4], 1e-5), ([20, 31], 1e-8)] {
             let (mut workspace, mut row, mut expected) = ([0.0; 6], [0.0; 6 * 80], [0.0; 6]);
             of_pillar.fill_row(rows, 80, &mut row);

@@ -7,6 +7,7 @@
 //! transform, only the real part is used if the kernel is real, and only minus the imaginary part if it is imaginary.
 
 use super::coarse::{BesidePillars, Coarse};
+use super::far::Part;
 use super::grid::Division;
 use super::whole::{Together, folded_buffers};
 use crate::halfspace::disc::basis::{Mode, modes};
@@ -26,6 +27,7 @@ const TOGETHER: usize = 2 * LANES;
 pub(super) struct Mirrored<R> {
     pub(super) division: Division,
     pub(super) degree: Option<usize>,
+    pub(super) part: Part,
     /// Number of columns and rows of the quadrant, and of the coarse grid.
     shape: [usize; 2],
     pub(super) coarse: [usize; 2],
@@ -73,6 +75,7 @@ impl<R: Real> Mirrored<R> {
         Self {
             division: whole.division,
             degree: whole.degree,
+            part: whole.part,
             shape,
             coarse: whole.coarse,
             odd: whole.odd.clone(),
@@ -91,6 +94,7 @@ impl<R: Real> Mirrored<R> {
         Self {
             division: self.division,
             degree: self.degree,
+            part: self.part,
             shape: self.shape,
             coarse: self.coarse,
             plans: self.plans.clone(),

@@ -7,8 +7,7 @@
 //! far pillars at the Chebyshev nodes of square blocks of cells and interpolates; its transpose collects the pressures of a block at the nodes, so
 //! that the product remains symmetric.
 
-use super::grid::FloorGrid;
-use super::kernels::GAUSS;
+use super::grid::{FloorGrid, GAUSS};
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
 use crate::halfspace::disc::exterior::Exterior;

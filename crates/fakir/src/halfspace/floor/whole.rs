@@ -1,6 +1,7 @@
 //! The [coupling](super::coupling) of a floor and pillars on its grid, by transforms of the whole period.
 
 use super::coarse::{BesidePillars, Coarse};
+use super::far::Part;
 use super::grid::Division;
 use super::kernels::{PillarMeans, Rectangles};
 use super::meeting::{Meeting, halves, put, take, turn, unfold};
@@ -29,6 +30,8 @@ pub(super) struct Together<R> {
     pub(super) division: Division,
     /// Degree of the modes of pillars on the coarse grid; `None` if they are not on it.
     pub(super) degree: Option<usize>,
+    /// The part of their effect that the kernels contain.
+    pub(super) part: Part,
     /// Number of columns and rows of the fine grid and of the coarse grid.
     pub(super) shape: [usize; 2],
     pub(super) coarse: [usize; 2],
@@ -92,7 +95,7 @@ impl Together<f64> {
     pub(super) fn new(
         division: &Division,
         coarse: [usize; 2],
-        degree: Option<usize>,
+        (degree, part): (Option<usize>, Part),
         layers: &[WeightedLayer],
         workers: Workers<'_>,
     ) -> Self {
@@ -105,6 +108,7 @@ impl Together<f64> {
         let together = Self {
             division: *division,
             degree,
+            part,
             shape,
             coarse,
             plans: RealPlans::new(rows, columns),
@@ -143,6 +147,7 @@ impl Together<f64> {
         Together {
             division: self.division,
             degree: self.degree,
+            part: self.part,
             shape: self.shape,
             coarse: self.coarse,
             plans: RealPlans::new(rows, columns),
@@ -160,20 +165,20 @@ impl Together<f64> {
     }
 
     fn kernels(&self, modes: &[Mode], layers: &[WeightedLayer], workers: Workers<'_>) -> Vec<f64> {
-        let (division, degree) = (&self.division, self.degree);
+        let (division, degree, part) = (&self.division, self.degree, self.part);
         let [columns, rows] = self.shape;
         let half = columns / 2 + 1;
         let kernels = 1 + modes.len();
         // Rows of the quadrant, transformed along x: those of the floor at integer positions and those of pillars at half-integer
         // positions.
         let quadrant = rows / 2 + 1;
-        let rectangles = Rectangles::new(division, layers);
+        let rectangles = (!part.is_at_centres()).then(|| Rectangles::new(division, layers));
         let mut transformed = vec![0.0; quadrant * kernels * half];
         let [phases_x, phases_y] = &self.phases;
         let plan = &self.plans.row;
         let work = || KernelWork {
             values: vec![0.0; kernels * columns],
-            means: degree.map(|degree| PillarMeans::new(division, degree, layers)),
+            means: degree.map(|degree| PillarMeans::new(division, degree, layers, part)),
             spectrum: plan.make_output_vec(),
             scratch: plan.make_scratch_vec(),
         };
@@ -186,11 +191,15 @@ impl Together<f64> {
                 if workers.cancel.is_cancelled() {
                     return;
                 }
-                work.fill_row(modes, &rectangles, row);
+                work.fill_row(modes, rectangles.as_ref(), row);
                 let values = work.values.chunks_exact_mut(columns);
                 for (kernel, (values, output)) in
                     values.zip(output.chunks_exact_mut(half)).enumerate()
                 {
+                    if values.iter().all(|value| *value == 0.0) {
+                        // Beyond the near part of pillars; or cells in the far part. The output is zero already.
+                        continue;
+                    }
                     let _ =
                         plan.process_with_scratch(values, &mut work.spectrum, &mut work.scratch);
                     let odd = kernel > 0 && modes[kernel - 1].parities()[0];
@@ -298,10 +307,13 @@ struct KernelWork {
 }
 
 impl KernelWork {
-    fn fill_row(&mut self, modes: &[Mode], rectangles: &Rectangles, row: usize) {
+    fn fill_row(&mut self, modes: &[Mode], rectangles: Option<&Rectangles>, row: usize) {
         let columns = self.values.len() / (1 + modes.len());
         let (of_floor, of_pillars) = self.values.split_at_mut(columns);
-        rectangles.fill_row(row, &mut of_floor[..columns / 2 + 1]);
+        match rectangles {
+            Some(rectangles) => rectangles.fill_row(row, &mut of_floor[..columns / 2 + 1]),
+            None => of_floor.fill(0.0),
+        }
         let (first, second) = of_floor.split_at_mut(columns / 2 + 1);
         for (value, mirrored) in second.iter_mut().rev().zip(&first[1..]) {
             *value = *mirrored;
@@ -404,6 +416,7 @@ impl<R: Real> Together<R> {
         Self {
             division: self.division,
             degree: self.degree,
+            part: self.part,
             shape: self.shape,
             coarse: self.coarse,
             plans: self.plans.clone(),
