@@ -359,11 +359,20 @@ impl<'a> FloorCoupling<'a> {
         known: Option<FloorKernels>,
         (workers, pool): (Workers<'_>, Option<&'a ThreadPool>),
     ) -> Self {
-        let extent = PillarExtent::new(sites, reach, grid.holds_pillars());
-        let period = match &split {
-            Some(split) => split.periods[0],
-            None => FloorGrid::period(&grid.division, grid.radius, extent.farthest),
-        };
+        // Built first: without the far part, pillars have their whole effect in the products with the cells.
+        let far = split.and_then(|split| {
+            let bodies = (layers, workers);
+            let far = FarPillars::new(grid, (sites, reach), degree, &split, bodies, pool)?;
+            Some((split, Box::new(far)))
+        });
+        let (split, far) = far.unzip();
+        let period = split.map_or_else(
+            || {
+                let extent = PillarExtent::new(sites, reach, grid.holds_pillars());
+                FloorGrid::period(&grid.division, grid.radius, extent.farthest)
+            },
+            |split| split.periods[0],
+        );
         let on_grid = grid.holds_pillars().then_some(degree);
         let part = split.map_or(Part::Whole, |split| Part::Near(split.step));
         let cells = (&grid.division, grid.mirrors.is_some());
@@ -386,23 +395,13 @@ impl<'a> FloorCoupling<'a> {
             let sites = (sites, reach);
             Pillars::Anywhere(PillarTable::new(grid, sites, degree, layers, workers))
         };
-        let far = split.and_then(|split| {
-            FarPillars::new(
-                grid,
-                (sites, reach),
-                degree,
-                &split,
-                (layers, workers),
-                pool,
-            )
-        });
         Self {
             cells: grid.len(),
             modes,
             pillars,
             products: Products::new(grid.own_cells(), kernels, pool),
             folding: Folding::new(grid),
-            far: far.map(Box::new),
+            far,
         }
     }
 
@@ -469,10 +468,9 @@ impl<'a> FloorCoupling<'a> {
         pillars: PillarExtent,
         degree: usize,
     ) -> f64 {
-        let coarse = FloorGrid::period(division, radius, pillars.farthest);
-        let sides = [0, 1].map(|k| (coarse[k] * division.parts[k]) as f64);
+        let period = FloorGrid::period(division, radius, pillars.farthest);
         let table = Self::table_len(division, radius, pillars, degree);
-        sides[0] * sides[1] + table / NUMBERS_PER_POINT
+        division.points(period) + table / NUMBERS_PER_POINT
     }
 
     fn table_len(division: &Division, radius: f64, pillars: PillarExtent, degree: usize) -> f64 {
@@ -822,6 +820,19 @@ mod tests {
         far
     }
 
+    /// The loads that coefficients cause, of which the first `tops` belong to pillars.
+    fn product(floor: &mut FloorCoupling<'_>, tops: usize, c: &[f64], roughly: bool) -> Vec<f64> {
+        let mut far = vec![0.0; c.len()];
+        let (far_tops, far_floor) = far.split_at_mut(tops);
+        let of = c.split_at(tops).into();
+        if roughly {
+            floor.apply_roughly(of, [far_tops, far_floor]);
+        } else {
+            floor.apply(of, [far_tops, far_floor]);
+        }
+        far
+    }
+
     /// The paper's lattices, on grids and at arbitrary positions; and a list of pillars with several radii.
     fn fields() -> Vec<(PillarField, usize, usize)> {
         let paper = |pitch, offset| {
@@ -885,14 +896,7 @@ mod tests {
                 );
                 // Twice, since the first product must not affect the second.
                 for tolerance in [1e-12, 1e-12, 1e-5] {
-                    let mut far = vec![0.0; coefficients.len()];
-                    let (far_tops, far_floor) = far.split_at_mut(tops);
-                    let (of_tops, of_floor) = coefficients.split_at(tops);
-                    if tolerance < 1e-6 {
-                        floor.apply([of_tops, of_floor], [far_tops, far_floor]);
-                    } else {
-                        floor.apply_roughly([of_tops, of_floor], [far_tops, far_floor]);
-                    }
+                    let far = product(&mut floor, tops, &coefficients, tolerance >= 1e-6);
                     for (place, (found, expected)) in far.iter().zip(&expected).enumerate() {
                         assert!(
                             (found - expected).abs() < tolerance * scale,
@@ -981,17 +985,8 @@ mod tests {
                 let mut floor =
                     FloorCoupling::new(grid, pillars, [modes, 2], &[], None, (workers, None));
                 work.push([false, true].map(|rough| floor.least_work(rough).unwrap()));
-                [false, false, true].map(|roughly| {
-                    let mut far = vec![0.0; coefficients.len()];
-                    let (far_tops, far_floor) = far.split_at_mut(tops);
-                    let of = coefficients.split_at(tops).into();
-                    if roughly {
-                        floor.apply_roughly(of, [far_tops, far_floor]);
-                    } else {
-                        floor.apply(of, [far_tops, far_floor]);
-                    }
-                    far
-                })
+                [false, false, true]
+                    .map(|roughly| product(&mut floor, tops, &coefficients, roughly))
             });
             // A quarter of the values, except for the coarse grid, which is transformed completely; and half of the bytes in single
             // precision.
@@ -1036,12 +1031,7 @@ mod tests {
                 let pillars = (&sites, 1e9);
                 FloorCoupling::new(&grid, pillars, [6, 2], &[], None, (workers, None))
             };
-            let product = |floor: &mut FloorCoupling<'_>, coefficients: &[f64]| {
-                let mut far = vec![0.0; coefficients.len()];
-                let (far_tops, far_floor) = far.split_at_mut(tops);
-                floor.apply(coefficients.split_at(tops).into(), [far_tops, far_floor]);
-                far
-            };
+            let product = |floor: &mut FloorCoupling<'_>, c: &[f64]| product(floor, tops, c, false);
             let [one, other] = [0.3, 1.1].map(|turn| numbers(tops + grid.len(), turn));
             let (mut first, mut second) = (new(), new());
             let expected = product(&mut first, &one);
@@ -1112,20 +1102,9 @@ mod tests {
                 let mut one = FloorCoupling::undivided(&grid, pillars, [6, 2], layers, threads);
                 let mut other = FloorCoupling::new(&grid, pillars, [6, 2], layers, None, threads);
                 assert!(other.far.is_some());
-                let product = |floor: &mut FloorCoupling<'_>, roughly: bool| {
-                    let mut far = vec![0.0; c.len()];
-                    let (far_tops, far_floor) = far.split_at_mut(tops);
-                    let of = c.split_at(tops).into();
-                    if roughly {
-                        floor.apply_roughly(of, [far_tops, far_floor]);
-                    } else {
-                        floor.apply(of, [far_tops, far_floor]);
-                    }
-                    far
-                };
-                let expected = product(&mut one, false);
+                let expected = product(&mut one, tops, &c, false);
                 for (roughly, tolerance, of_work) in [(false, 1e-7, 1e-8), (true, 1e-5, 1e-6)] {
-                    let found = product(&mut other, roughly);
+                    let found = product(&mut other, tops, &c, roughly);
                     for range in [0..tops, tops..c.len()] {
                         let of = |values: &[f64]| {
                             values.iter().fold(0.0_f64, |most, x| most.max(x.abs()))

@@ -111,10 +111,6 @@ pub(super) struct Split {
 impl Split {
     /// The split with the fewest points, if it is worthwhile, of a floor with pillars up to these distances from the lens axis along x and y.
     pub(super) fn of(division: &Division, radius: f64, farthest: [f64; 2]) -> Option<Self> {
-        let points = |division: &Division, period: [usize; 2]| -> f64 {
-            let sides = [0, 1].map(|k| (period[k] * division.parts[k]) as f64);
-            sides[0] * sides[1]
-        };
         let sides = division.coarse_sides();
         let with = |distance: f64| {
             let parts =
@@ -137,10 +133,9 @@ impl Split {
                 ],
             }
         };
-        let all = |split: &Self| {
-            points(division, split.periods[0]) + points(&split.nodes, split.periods[1])
-        };
-        let whole = points(division, FloorGrid::period(division, radius, farthest));
+        let all =
+            |split: &Self| division.points(split.periods[0]) + split.nodes.points(split.periods[1]);
+        let whole = division.points(FloorGrid::period(division, radius, farthest));
         DISTANCES
             .map(with)
             .into_iter()

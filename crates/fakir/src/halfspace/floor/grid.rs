@@ -63,6 +63,12 @@ impl Division {
         self.cell[0] * self.cell[1]
     }
 
+    /// Number of points of a transform with this period, in cells of the coarse grid.
+    pub(super) fn points(&self, period: [usize; 2]) -> f64 {
+        let sides = [0, 1].map(|k| (period[k] * self.parts[k]) as f64);
+        sides[0] * sides[1]
+    }
+
     /// The longer side of a cell.
     pub(crate) fn longest(&self) -> f64 {
         self.cell[0].max(self.cell[1])
