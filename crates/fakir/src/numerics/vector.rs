@@ -166,7 +166,7 @@ fn dot_of_chunk(a: &[f64], b: &[f64]) -> f64 {
 
 /// Dot product with [`LANES`] partial sums, for loops that are compiled by [`widest`].
 #[inline(always)]
-pub(super) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = Lanes::default();
     let (a, a_rest) = a.as_chunks::<LANES>();
     let (b, b_rest) = b.as_chunks::<LANES>();
@@ -175,57 +175,6 @@ pub(super) fn inner_dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum();
     sums.sum() + rest
-}
-
-/// Products of all rows of one matrix with all rows of another, each of the given length, where the result is symmetric.
-pub(crate) fn symmetric_products(one: &[f64], other: &[f64], length: usize) -> Vec<f64> {
-    let count = one.len() / length;
-    let mut products = vec![0.0; count * count];
-    widest(
-        #[inline(always)]
-        || {
-            for (k, row) in one.chunks_exact(length).enumerate() {
-                let products = &mut products[k * count..][..=k];
-                let fours = other[..(k + 1) * length].chunks_exact(LANES * length);
-                let rest = fours.remainder().chunks_exact(length);
-                let (of_fours, of_rest) = products.as_chunks_mut::<LANES>();
-                for (products, rows) in of_fours.iter_mut().zip(fours) {
-                    *products = four_dots(row, rows);
-                }
-                for (product, other) in of_rest.iter_mut().zip(rest) {
-                    *product = inner_dot(row, other);
-                }
-            }
-        },
-    );
-    for row in 0..count {
-        for column in row + 1..count {
-            products[row * count + column] = products[column * count + row];
-        }
-    }
-    products
-}
-
-/// [`inner_dot`] with four consecutive rows of the same length.
-#[inline(always)]
-fn four_dots(a: &[f64], rows: &[f64]) -> [f64; LANES] {
-    let length = a.len();
-    let row = |number: usize| rows[number * length..][..length].as_chunks::<LANES>();
-    let [b, c, d, e] = [row(0), row(1), row(2), row(3)];
-    let (a, a_rest) = a.as_chunks::<LANES>();
-    let mut sums = [Lanes::default(); LANES];
-    for ((((a, b), c), d), e) in a.iter().zip(b.0).zip(c.0).zip(d.0).zip(e.0) {
-        let a = Lanes(*a);
-        sums[0] += a * Lanes(*b);
-        sums[1] += a * Lanes(*c);
-        sums[2] += a * Lanes(*d);
-        sums[3] += a * Lanes(*e);
-    }
-    let mut dots = sums.map(Lanes::sum);
-    for (dot, rest) in dots.iter_mut().zip([b.1, c.1, d.1, e.1]) {
-        *dot += a_rest.iter().zip(rest).map(|(x, y)| x * y).sum::<f64>();
-    }
-    dots
 }
 
 /// The largest absolute value; NaN if a value is NaN, 0 for an empty slice.
@@ -273,26 +222,6 @@ pub(crate) fn add_scaled(a: &mut [f64], factor: f64, b: &[f64]) {
 mod tests {
     use super::*;
     use crate::numerics::workers::CancelToken;
-
-    /// Expected: dot products computed row by row.
-    #[test]
-    fn products_of_all_rows() {
-        for (count, length) in [(1, 1), (3, 5), (8, 8), (13, 6)] {
-            let numbers = |turn: f64| -> Vec<f64> {
-                let all = 0..count * length;
-                all.map(|k| (turn * k as f64).sin()).collect()
-            };
-            let one = numbers(1.3);
-            let products = symmetric_products(&one, &one, length);
-            for (k, row) in one.chunks_exact(length).enumerate() {
-                for (l, other) in one.chunks_exact(length).enumerate() {
-                    let expected = dot(row, other);
-                    let product = products[k * count + l];
-                    assert_eq!(product.to_bits(), expected.to_bits(), "{k} {l}");
-                }
-            }
-        }
-    }
 
     #[test]
     fn the_largest_is_found_wherever_it_is() {

@@ -14,7 +14,7 @@
 
 use super::grid::{Division, FloorGrid, GAUSS};
 use crate::numerics::fft::smooth_number;
-use crate::numerics::vector::{Lanes, dot};
+use crate::numerics::vector::{Lanes, inner_dot, widest};
 use crate::problem::{Cells, Grid, Segment};
 
 /// Nodes of the interpolation along x, and along y.
@@ -250,9 +250,16 @@ impl Interpolation {
             } in segments
             {
                 let values = &mut values[*start..][..*count];
-                for (value, (first, weights)) in values.iter_mut().zip(&self.columns[*column..]) {
-                    *value += dot(weights, &self.line[*first..][..STENCIL]);
-                }
+                let of_columns = self.columns[*column..].iter();
+                let line = &self.line[..];
+                widest(
+                    #[inline(always)]
+                    || {
+                        for (value, (first, weights)) in values.iter_mut().zip(of_columns) {
+                            *value += inner_dot(weights, &line[*first..][..STENCIL]);
+                        }
+                    },
+                );
             }
         }
     }

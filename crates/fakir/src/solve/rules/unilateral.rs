@@ -11,10 +11,10 @@ use super::rim::{Motion, Rim, RimContact, RimSolver};
 use crate::halfspace::disc::basis::{
     BasisEvaluator, column_factors, compliances, degree_with, mode_count,
 };
-use crate::halfspace::disc::nodes::{Resolution, bos_array};
+use crate::halfspace::disc::nodes::{Node, Resolution, bos_array};
 use crate::numerics::convergence::{larger, largest, smaller, within};
 use crate::numerics::pivoting::{Inverse, PivotSolver, Pivoting};
-use crate::numerics::vector::{symmetric_products, widest};
+use crate::numerics::vector::{inner_dot, widest};
 use crate::problem::column::Column;
 use crate::state::PillarStatus;
 use std::borrow::Cow;
@@ -112,7 +112,7 @@ impl PillarTop {
             .chunks_exact(count)
             .flat_map(|row| row.iter().zip(&compliance).map(|(y, lambda)| y / lambda))
             .collect();
-        let response = symmetric_products(&pressures, &values, count);
+        let response = node_responses(&nodes, &mut basis, &compliance);
         let by_mode = (0..count).flat_map(|mode| pressures.iter().skip(mode).step_by(count));
         let pressures = by_mode.copied().collect();
         let lead = mode_count(lead);
@@ -426,6 +426,79 @@ impl LocalSolver {
     }
 }
 
+/// `G = V Lam^-1 V'`, ring by ring: the compliance of a mode depends on its degree `l` and order `m` alone, so that
+/// `cos m theta cos m theta' + sin m theta sin m theta' = cos m(theta - theta')` leaves one sum over the orders for two nodes,
+/// with the sums over the degrees common to two rings.
+fn node_responses(nodes: &[Node], basis: &mut BasisEvaluator, compliance: &[f64]) -> Vec<f64> {
+    let count = nodes.len();
+    let modes = basis.modes().to_vec();
+    let orders = modes.last().map_or(1, |mode| mode.degree + 1);
+    let rings: Vec<&[Node]> = nodes
+        .chunk_by(|a, b| (a.mu, a.rho) == (b.mu, b.rho))
+        .collect();
+    // On a ray of the angle 0; sines are zero there.
+    let on_ray: Vec<Vec<f64>> = rings
+        .iter()
+        .map(|ring| {
+            let mut values = vec![0.0; compliance.len()];
+            basis.evaluate_polar(ring[0].mu, ring[0].rho, [1.0, 0.0], &mut values);
+            values
+        })
+        .collect();
+    // Cosines of all orders, then sines, node by node.
+    let width = 2 * orders;
+    let mut waves = vec![0.0; count * width];
+    for (node, waves) in nodes.iter().zip(waves.chunks_exact_mut(width)) {
+        let [cos, sin] = node.direction;
+        let (cosines, sines) = waves.split_at_mut(orders);
+        cosines[0] = 1.0;
+        for m in 1..orders {
+            cosines[m] = cosines[m - 1] * cos - sines[m - 1] * sin;
+            sines[m] = sines[m - 1] * cos + cosines[m - 1] * sin;
+        }
+    }
+    let mut responses = vec![0.0; count * count];
+    let mut weighted = vec![0.0; width];
+    let mut start = 0;
+    for (k, ring) in rings.iter().enumerate() {
+        let mut other_start = 0;
+        for (l, other) in rings[..=k].iter().enumerate() {
+            let mut sums = vec![0.0; orders];
+            let products = on_ray[k].iter().zip(&on_ray[l]).zip(compliance);
+            for (mode, ((one, other), compliance)) in modes.iter().zip(products) {
+                sums[mode.order] += one * other / compliance;
+            }
+            widest(
+                #[inline(always)]
+                || {
+                    for row in start..start + ring.len() {
+                        let own = waves[row * width..][..width].chunks_exact(orders);
+                        for (to, own) in weighted.chunks_exact_mut(orders).zip(own) {
+                            for ((to, own), sum) in to.iter_mut().zip(own).zip(&sums) {
+                                *to = own * sum;
+                            }
+                        }
+                        let others = waves[other_start * width..].chunks_exact(width);
+                        let row = &mut responses[row * count + other_start..][..other.len()];
+                        for (response, other) in row.iter_mut().zip(others) {
+                            *response = inner_dot(&weighted, other);
+                        }
+                    }
+                },
+            );
+            other_start += other.len();
+        }
+        start += ring.len();
+    }
+    // Within a ring both halves have been computed, equal but for rounding.
+    for row in 0..count {
+        for column in row + 1..count {
+            responses[row * count + column] = responses[column * count + row];
+        }
+    }
+    responses
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -455,6 +528,31 @@ mod tests {
         let mut coefficients = vec![0.0; top.count()];
         solver.coefficients(&top, load, &mut coefficients);
         (coefficients, active, pivoting)
+    }
+
+    /// Expected: sums over all modes, node by node.
+    #[test]
+    fn responses_between_nodes_are_sums_over_modes() {
+        for (degree, turn, column) in [(0, 0.0, 0.3), (2, 0.0, 0.0), (10, 0.4, 0.7)] {
+            let resolution = Resolution {
+                turn,
+                ..Resolution::of_nodes(degree)
+            };
+            let top = PillarTop::new(resolution, degree.min(2), column);
+            for (row, one) in top.values.chunks_exact(top.count).enumerate() {
+                for (place, other) in top.values.chunks_exact(top.count).enumerate() {
+                    let terms = one.iter().zip(other).zip(&top.compliance);
+                    let expected: f64 = terms.map(|((a, b), lambda)| a * b / lambda).sum();
+                    let own: f64 = one
+                        .iter()
+                        .zip(&top.compliance)
+                        .map(|(a, l)| a * a / l)
+                        .sum();
+                    let found = top.response[row * top.count + place];
+                    assert!((found - expected).abs() < 1e-13 * own, "{row} {place}");
+                }
+            }
+        }
     }
 
     #[test]
