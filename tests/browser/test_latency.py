@@ -47,10 +47,14 @@ MEASURE = """async ([moves]) => {
 
 @pytest.mark.parametrize("surface_fraction, load", [(0.1, 1), (0.03, 1.5)])
 def test_every_motion_ends_with_the_exact_map(explore, surface_fraction, load):
-    """Past the transition the pillar tops alone are drawn first; a critical state may be exact before an estimate is drawn."""
+    """Past the transition the pillar tops alone are drawn first; a critical state may be exact before an estimate is drawn.
+
+    On a busy machine the exact map of a single motion may arrive first as well.
+    """
     page = explore("#" + "&".join([*paper(surface_fraction), f"load={load}"]))
-    times = page.page.evaluate(MEASURE, [2])
-    assert len(times["exact"]) == 2
+    moves = 2 if load <= 1 else 8
+    times = page.page.evaluate(MEASURE, [moves])
+    assert len(times["exact"]) == moves
     if load > 1:
         assert times["pillars"] and min(times["pillars"]) < max(times["exact"])
 

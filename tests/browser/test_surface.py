@@ -74,11 +74,14 @@ def test_a_height_map_is_answered_and_refined(explore):
     assert len(set(colours[0])) > 1 and len(set(colours[1])) == 1, colours
     # A stiffer lens and substrate: the force is proportional to the modulus.
     soft = force(page)
+    numbers = page.page.text_content("#surface-numbers").split(",")[0]
     page.enter("substrate.young_modulus", "4 MPa")
     page.enter("lens.young_modulus", "4 MPa")
     page.until(f"document.getElementById('surface-case').textContent.includes('young_modulus = \"4 MPa\"')")
     page.page.wait_for_timeout(500)
-    page.until("document.getElementById('map-words').textContent.startsWith('192 × 192')")
+    # In one look: the words of the map before stay until the first coarse map of the new case.
+    page.until("document.getElementById('map-words').textContent.startsWith('192 × 192') "
+               f"&& !document.getElementById('surface-numbers').textContent.includes({numbers!r})")
     assert force(page) == pytest.approx(2 * soft, rel=1e-2)
     page.page.click("#close-map")
     assert page.page.locator("#surface").is_hidden()

@@ -33,7 +33,9 @@ use crate::halfspace::coupling::lattice::LatticeCoupling;
 use crate::halfspace::coupling::operator::Coupling;
 use crate::halfspace::coupling::sites::Sites;
 use crate::halfspace::disc::basis::mode_count;
-use crate::halfspace::elements::convolution::{Convolution, Transform};
+use crate::halfspace::elements::convolution::Convolution;
+#[cfg(any(test, feature = "kernels"))]
+use crate::halfspace::elements::convolution::Transform;
 use crate::numerics::vector::dot;
 use crate::numerics::workers::Workers;
 use crate::problem::Cells;
