@@ -74,7 +74,7 @@ def test_a_height_map_is_answered_and_refined(explore):
     assert len(set(colours[0])) > 1 and len(set(colours[1])) == 1, colours
     # A stiffer lens and substrate: the force is proportional to the modulus.
     soft = force(page)
-    numbers = page.page.text_content("#surface-numbers").split(",")[0]
+    numbers = "F = " + page.page.text_content("#surface-numbers").split("F = ")[1].split(",")[0]
     page.enter("substrate.young_modulus", "4 MPa")
     page.enter("lens.young_modulus", "4 MPa")
     page.until(f"document.getElementById('surface-case').textContent.includes('young_modulus = \"4 MPa\"')")

@@ -1,9 +1,13 @@
 """Pillars of a table that is opened or dropped on the page, and files that are refused."""
 
+import json
+import os
+import subprocess
 import time
 from pathlib import Path
 
 import pytest
+from conftest import exploring
 from test_explorer import paper
 
 # Drops a file with this name and text on the page.
@@ -109,3 +113,47 @@ def test_other_files_are_refused_in_words(explore, name, text, words):
     found = "document.getElementById('data-words').textContent + document.getElementById('problem').textContent"
     page.until(f"({found}).includes({words!r})")
     assert page.results() == before
+
+
+@pytest.mark.server
+@pytest.mark.parametrize("tops", ["", 'top_radius = "20 um"'])
+def test_the_table_of_a_case_is_where_the_page_begins(explore, tmp_path, tops):
+    """The numbers are those of the command, and return with *reset* after another table was dropped."""
+    (tmp_path / "tops.csv").write_text(square(15, 7))
+    case = tmp_path / "case.toml"
+    case.write_text(CASE.format(tops))
+    command = [os.environ["FAKIR"], "transition", str(case), "--json"]
+    answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    force = answer["critical_force_N"] * 1e6
+    shown = "Number(document.getElementById('force-value').textContent)"
+    shows = f"Math.abs({shown} - {force}) < 1e-4 * {force}"
+    with exploring(str(case)) as address:
+        page = explore(address=address)
+        page.until(shows)
+        assert page.page.input_value("#pattern-lattice") == "listed"
+        dropped(page, "other.csv", square(20, 5))
+        page.until(f"!({shows})")
+        page.page.click("#reset")
+        page.until(shows)
+        page.picture(f"table-{'rounded' if tops else 'flat'}")
+
+
+CASE = """
+[lens]
+radius = "2.2 mm"
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+
+[substrate]
+young_modulus = "2 MPa"
+poisson_ratio = 0.5
+
+[pattern]
+lattice = "listed"
+pillars = "tops.csv"
+{}
+
+[pattern.pillar]
+diameter = "6 um"
+height = "2.2 um"
+"""

@@ -16,8 +16,15 @@ use std::path::Path;
 /// # Errors
 /// As [`read`]: files of recognised formats that are not read ([`ErrorKind::Unsupported`]), with the name of a program that converts them.
 pub fn read_table(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let (file, _) = split_sheet(path);
-    unpack_table(path, read(file, most)?, most)
+    unpack_table(path, read_packed(path, most)?, most)
+}
+
+/// The bytes of a file with a table, as [`unpack_table`] takes them: the name of a sheet may follow that of a spreadsheet.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_packed(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    read(split_sheet(path).0, most)
 }
 
 /// The path of a file, and the name of a sheet of a spreadsheet after it.

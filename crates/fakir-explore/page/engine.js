@@ -504,6 +504,7 @@
  * @property {Values} case
  * @property {Values} paper The paper's intermediate case.
  * @property {{ map: GivenFile | null, case: Values } | null} surface A `[surface]` to begin with: its file, if it has one, and its own values.
+ * @property {GivenFile | null} table The table of pillars of that case.
  * @property {readonly Key[]} keys
  * @property {readonly (readonly [number, number, number])[]} colours
  * @property {number} farthest_load

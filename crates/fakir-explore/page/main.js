@@ -466,6 +466,9 @@ function rememberInAddress(store) {
   undo.addEventListener("click", () => history.back());
   redo.addEventListener("click", () => history.forward());
   byId("reset").addEventListener("click", () => {
+    // Another table may have been opened since.
+    const { table } = store.state.start;
+    if (table !== null) store.setTable({ ...table, number: (store.state.table?.number ?? 0) + 1 });
     store.choose({ case: store.state.start.case, load: 1, exaggeration: null, hold: null, time: null, view: null }, performance.now());
   });
   window.addEventListener("hashchange", () => {

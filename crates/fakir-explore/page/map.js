@@ -50,7 +50,9 @@ export function halfWidth({ scene, radius }) {
     ? Math.max(0, ...scene.floor_contacts_m.map(([x, y]) => Math.hypot(x, y)))
     : 0;
   const cells = scene.floor === null ? 0 : reach(scene.floor);
-  const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.3 * floor, 1.08 * cells);
+  // The contact radius is the distance of the farthest pillar in contact: none for a single pillar on the lens axis.
+  const discs = Math.max(0, ...scene.contacts.map(([x, y, disc]) => Math.hypot(x, y) + disc));
+  const contact = Math.max(1.12 * radius, 1.12 * scene.contact_radius_m, 1.12 * discs, 1.3 * floor, 1.08 * cells);
   // Show a few pillars, unless they are far apart.
   const few = contact > 0 ? Math.min(2.3 * scene.pitch_m, 5 * contact) : 1.3 * scene.pitch_m;
   return Math.max(contact, few);

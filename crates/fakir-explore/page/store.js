@@ -244,11 +244,12 @@ export class Store {
    */
   constructor(start, first, asked) {
     const chosen = { ...first, load: within(first.load, first.case, start) };
+    const table = start.table && { ...start.table, number: 1 };
     this.#state = {
       start,
       chosen,
       typed: null,
-      question: newQuestion(1, chosen, asked, null),
+      question: newQuestion(1, chosen, asked, table),
       sent: 0,
       asking: { contact: null, curves: null, phase: null },
       lastTime: 100,
@@ -276,7 +277,7 @@ export class Store {
       contactPoint: 0,
       fitted: null,
       dataWords: "",
-      table: null,
+      table,
       history: null,
       pinned: null,
       pinning: null,

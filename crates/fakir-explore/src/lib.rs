@@ -71,7 +71,7 @@ mod server;
 pub use clock::supply_clock;
 pub use dispatch::{Limits, Part, answer};
 pub use fakir_figure::font_css;
-pub use start::start;
+pub use start::{StartError, start};
 
 #[cfg(feature = "server")]
 pub use server::{ExploreError, Explorer, Options};

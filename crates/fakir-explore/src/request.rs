@@ -452,9 +452,7 @@ pub(crate) fn case(values: &Values, table: Option<&GivenFile>) -> Result<Case, R
             ));
     }
     let case = file.case()?;
-    if let Arrangement::Listed(list) = case.system.arrangement()
-        && table.is_some()
-    {
+    if let Arrangement::Listed(list) = case.system.arrangement() {
         let pillars = list.pillars().len();
         if pillars as f64 > MOST_LISTED {
             let words = format!(
@@ -466,7 +464,6 @@ pub(crate) fn case(values: &Values, table: Option<&GivenFile>) -> Result<Case, R
                     "at most {MOST_LISTED} pillars; `fakir transition` has no such limit"
                 )));
         }
-        return Ok(case);
     }
     if let Some((key, shown, words)) = not_shown(&case) {
         let accepted = format!("{words}; fakir transition and fakir press answer all others");
@@ -479,12 +476,13 @@ pub(crate) fn case(values: &Values, table: Option<&GivenFile>) -> Result<Case, R
 /// First part of a case that the page does not support: its key, what the page supports, and the
 /// accepted values.
 pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)> {
-    if !LATTICES.contains(&case.system.arrangement().name()) {
-        let words = "the page shows pillars on lattices";
+    let is_shown = LATTICES.contains(&case.system.arrangement().name());
+    if !is_shown && table_of(case.setting(Key::Pillars)).is_none() {
+        let words = "the page shows pillars on lattices and those of a table";
         return Some((
             Key::Lattice,
             words,
-            "hexagonal, square, rectangular or oblique",
+            "hexagonal, square, rectangular, oblique or listed",
         ));
     }
     if case.system.lens().form() == LensForm::Profile {
@@ -504,6 +502,14 @@ pub(crate) fn not_shown(case: &Case) -> Option<(Key, &'static str, &'static str)
         }
     }
     None
+}
+
+/// The file with the pillars of a case, from its setting of [`Key::Pillars`].
+pub(crate) fn table_of(pillars: Option<Setting>) -> Option<String> {
+    match pillars {
+        Some(Setting::Word(path)) if !path.is_empty() => Some(path),
+        _ => None,
+    }
 }
 
 /// Returns the key with that path.

@@ -6,11 +6,12 @@ use crate::http::{self, Request, Response, read, refused};
 use crate::jobs::Jobs;
 use crate::log::Log;
 use crate::refusal::Refusal;
+use crate::start::StartError;
 use crate::start::start;
 use crate::worker::Kind;
 use crate::{dispatch, page, request};
 use fakir::state::{CancelToken, Threads};
-use fakir_case::{AnyCase, CaseError};
+use fakir_case::AnyCase;
 use hyper::header::{self, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -81,9 +82,9 @@ pub enum ExploreError {
         /// What the page supports.
         shown: &'static str,
     },
-    /// A `[surface]` that cannot be read.
+    /// A case whose files cannot be read, or that the page does not show.
     #[error(transparent)]
-    Case(#[from] CaseError),
+    Start(#[from] StartError),
     /// The system has no random numbers.
     #[error("the system has no random numbers for the address: {0}")]
     Random(String),

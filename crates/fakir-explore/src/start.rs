@@ -1,19 +1,44 @@
 //! Initial data of the page.
 
 use crate::request::{
-    FARTHEST, LATTICES, LENSES, MOST_PILLARS, is_on_page, is_thickness, of_any_case, of_case,
+    FARTHEST, GivenFile, LATTICES, LENSES, MOST_PILLARS, Values, is_on_page, is_thickness,
+    of_any_case, of_case, table_of,
 };
 use crate::surface;
-use fakir_case::{AnyCase, Case, CaseError, Key, Kind};
+use fakir_case::table_text::read_packed;
+use fakir_case::{AnyCase, Case, CaseError, Key, Kind, Setting};
 use serde_json::{Value, json};
+use std::io;
 use std::ops::Bound;
+use std::path::Path;
+
+/// Largest table of pillars, bytes: every request of the page contains it, a third longer, and the server accepts one megabyte.
+const LARGEST_TABLE: u64 = 700_000;
+
+/// Reason why the page cannot start.
+#[derive(Debug, thiserror::Error)]
+pub enum StartError {
+    /// A `[surface]` that cannot be read, or that the page does not show.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A table of pillars that cannot be read, or is too large.
+    #[error(
+        "pattern.pillars: {path}: {error}; the page takes tables of at most {LARGEST_TABLE} bytes, fakir transition and fakir press any other"
+    )]
+    Table {
+        /// The file.
+        path: String,
+        /// Reason given by the system.
+        error: io::Error,
+    },
+}
 
 /// Initial data of the page: the case, the paper's intermediate case, the properties of all keys from the key table, and
 /// limits.
 ///
 /// # Errors
-/// [`CaseError`] for a `[surface]` that cannot be read, or that the page does not show.
-pub fn start(case: &AnyCase, memory_limit: usize) -> Result<String, CaseError> {
+/// [`StartError`] for a `[surface]` that the page does not show, and for files that cannot be read.
+pub fn start(case: &AnyCase, memory_limit: usize) -> Result<String, StartError> {
     let surface = match case {
         AnyCase::HeightMap(file) => Some(surface::First::of(file, memory_limit)?),
         _ => None,
@@ -25,10 +50,16 @@ pub fn start(case: &AnyCase, memory_limit: usize) -> Result<String, CaseError> {
             [r, g, b]
         })
         .collect();
+    let mut values = of_any_case(case);
+    let table = first_table(case)?.map(|(file, of_table)| {
+        values.extend(of_table);
+        file
+    });
     let start = json!({
         "version": fakir_study::VERSION,
-        "case": of_any_case(case),
+        "case": values,
         "surface": surface,
+        "table": table,
         "paper": of_case(&Case::example()),
         "keys": keys(),
         "colours": colours,
@@ -36,6 +67,36 @@ pub fn start(case: &AnyCase, memory_limit: usize) -> Result<String, CaseError> {
         "farthest_load": FARTHEST,
     });
     Ok(start.to_string())
+}
+
+/// The table of pillars of a case, and the values that name it; none on a lattice.
+fn first_table(case: &AnyCase) -> Result<Option<(GivenFile, Values)>, StartError> {
+    let setting = |key: Key| match case {
+        AnyCase::Pillars(case) => case.setting(key),
+        AnyCase::Asperities(case) => case.setting(key),
+        AnyCase::HeightMap(_) | AnyCase::Flat(_) => None,
+    };
+    let Some(path) = table_of(setting(Key::Pillars)) else {
+        return Ok(None);
+    };
+    let contents = match read_packed(Path::new(&path), LARGEST_TABLE) {
+        Ok(contents) => contents,
+        Err(error) => return Err(StartError::Table { path, error }),
+    };
+    let name = Path::new(&path).file_name().unwrap_or_default();
+    let file = GivenFile::new(name.to_string_lossy().into_owned(), &contents);
+    let word = |word: &str| Some(Setting::Word(word.to_owned()));
+    let values = [
+        (Key::Lattice, word("listed")),
+        (Key::Pillars, word(&file.name)),
+        (Key::AxisX, setting(Key::AxisX)),
+        (Key::AxisY, setting(Key::AxisY)),
+    ];
+    let given = values
+        .into_iter()
+        .filter_map(|(key, value)| Some((key.path().to_owned(), value?)))
+        .collect();
+    Ok(Some((file, given)))
 }
 
 /// Properties of each key on the page, from the key table: name and symbol, kind, words, bounds and default, and
@@ -151,6 +212,49 @@ mod tests {
         );
         for path in start["case"].as_object().unwrap().keys() {
             key(path);
+        }
+    }
+
+    /// A table of pillars that a case names is part of the initial data, as every request contains it.
+    #[test]
+    fn the_page_starts_with_the_table_of_the_case() {
+        let folder = tempfile::tempdir().unwrap();
+        let table = "x_m,y_m\n0,0\n3e-5,0\n0,3e-5\n";
+        std::fs::write(folder.path().join("pillars.csv"), table).unwrap();
+        let of_pillars = [(Key::PillarDiameter, "6 um"), (Key::PillarHeight, "2.2 um")];
+        for rounded in [false, true] {
+            let mut text =
+                "[lens]\nradius = \"2.2 mm\"\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
+                [substrate]\nyoung_modulus = \"2 MPa\"\npoisson_ratio = 0.5\n\
+                [pattern]\nlattice = \"listed\"\npillars = \"pillars.csv\"\naxis_x = \"1 um\"\n"
+                    .to_owned();
+            for (key, value) in of_pillars {
+                text += &format!(
+                    "{} = \"{value}\"\n",
+                    key.path().trim_start_matches("pattern.")
+                );
+            }
+            if rounded {
+                text += "top_radius = \"10 um\"\n";
+            }
+            let path = folder.path().join("case.toml");
+            std::fs::write(&path, text).unwrap();
+            let file = fakir_case::CaseFile::read(&path).unwrap();
+            let case = file.any_case(&[fakir::problem::Question::Explore]).unwrap();
+            let start: Value = serde_json::from_str(&start(&case, 0).unwrap()).unwrap();
+            assert_eq!(start["table"]["name"], "pillars.csv", "{rounded}");
+            assert_eq!(start["case"]["pattern.pillars"], "pillars.csv");
+            assert_eq!(start["case"]["pattern.lattice"], "listed");
+            assert_eq!(start["case"]["pattern.axis_x"], 1e-6);
+            // What the page sends back is the same case.
+            let values: Values = serde_json::from_value(start["case"].clone()).unwrap();
+            let given: GivenFile = serde_json::from_value(start["table"].clone()).unwrap();
+            let sent = crate::request::any_case(&values, Some(&given)).unwrap();
+            assert_eq!(sent.number(Key::AxisX), Some(1e-6));
+            assert_eq!(
+                sent.number(Key::PillarHeight),
+                case.number(Key::PillarHeight)
+            );
         }
     }
 }

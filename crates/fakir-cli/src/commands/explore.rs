@@ -5,7 +5,7 @@ use crate::failure::{DONE, Failure, Status, report_line};
 use crate::session::{stop_on_interrupt, threads};
 use fakir::state::CancelToken;
 use fakir_case::AnyCase;
-use fakir_explore::{ExploreError, Explorer, Options};
+use fakir_explore::{ExploreError, Explorer, Options, StartError};
 
 /// Serves until Ctrl-C, which is how it is meant to end.
 pub(crate) fn run(arguments: &Explore, case: AnyCase) -> Result<Status, Failure> {
@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &Explore, case: AnyCase) -> Result<Status, Failure>
         quiet: arguments.quiet,
     })
     .map_err(|error| match error {
-        ExploreError::Case(error) => Failure::from(error),
+        ExploreError::Start(StartError::Case(error)) => Failure::from(error),
         other => other.into(),
     })?;
     let address = explorer.address();

@@ -616,16 +616,16 @@ fn the_explorer_reports_why_it_cannot_start() {
         "{}",
         outcome.stderr
     );
-    bench.write("pillars.csv", "x_m,y_m\n0,0\n3e-5,0\n");
+    let empty_lines = "\n".repeat(700_000);
+    let table = format!("x_m,y_m\n0,0\n3e-5,0\n{empty_lines}");
+    bench.write("pillars.csv", &table);
     let listed = ["pattern.lattice=listed", "pattern.pillars=pillars.csv"];
     let mut arguments = vec!["explore", "--no-browser"];
     arguments.extend(listed.iter().flat_map(|setting| ["--set", setting]));
     let outcome = bench.run(&arguments);
     assert_eq!(outcome.status, Some(2));
     assert!(
-        outcome
-            .stderr
-            .contains("pattern.lattice: the page shows pillars on lattices"),
+        outcome.stderr.contains("tables of at most 700000 bytes"),
         "{}",
         outcome.stderr
     );
