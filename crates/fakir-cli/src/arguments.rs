@@ -1146,7 +1146,7 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, default_value = "0")]
     force_slope: f64,
     /// Start from this many points, the first of which is the case, and take the best fit: avoids local minima; at least 4 if contact_point and
-    /// force_slope are free
+    /// force_slope are free, or if the first search on a flat surface does not converge
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = starts)]
     starts: usize,
     /// Standard error of forces without one in the file (N, mN, uN, nN)
