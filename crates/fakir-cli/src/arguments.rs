@@ -8,7 +8,7 @@ use fakir::problem::{CyclePlan, Load, LoadingMode, Prescribed, Question};
 use fakir::state::Branch;
 use fakir_case::unit::{Dimension, QuantityError, parse_plausible, parse_rate};
 use fakir_case::{CaseError, CaseFile, Key, Kind, SurfaceKind, read_protocol};
-use fakir_inverse::design::{PressedQuantity, Wanted, free_key};
+use fakir_inverse::design::{PressedQuantity, Wanted, free_key, free_names};
 use fakir_inverse::fit::{
     FitOptions, Hints, MOST_STARTS, Measurements, NamedColumn, Parameter, Selection,
     has_relaxation, shared_by_default,
@@ -879,10 +879,10 @@ pub(crate) enum CitedMethod {
 pub(crate) struct Design {
     #[command(flatten)]
     pub(crate) case: CaseArguments,
-    /// Parameter to determine: pitch, pitch_y, surface_fraction, pattern.top_radius, pattern.pillar.height, pattern.pillar.diameter,
-    /// lens.radius, lens.young_modulus, substrate.young_modulus, lens.thickness, substrate.thickness, lens.base_young_modulus or
-    /// substrate.base_young_modulus, adhesion.work or adhesion.work_receding; or heights: the heights of all pillars with rounded tops
-    #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted")]
+    #[arg(long, value_name = "KEY", value_parser = free, requires = "wanted", help = format!(
+        "Parameter to determine: {}; or heights: the heights of all pillars with rounded tops. The last name is enough if it is unique, as in --free pitch",
+        free_names()
+    ))]
     free: Option<Free>,
     /// Target critical force (N, mN, uN, nN)
     #[arg(long, value_name = "FORCE", value_parser = force, allow_hyphen_values = true)]
@@ -923,9 +923,10 @@ pub(crate) struct Design {
         "Number of samples drawn with these tolerances; {} if there are any, and {} on a height map", Sampling::SAMPLES, Sampling::SAMPLES_ON_MAP
     ))]
     samples: Option<usize>,
-    /// Seed for the samples, and for the assignment of heights to pillars
-    #[arg(long, value_name = "N", default_value_t = Sampling::SEED)]
-    seed: u64,
+    #[arg(long, value_name = "N", help = format!(
+        "Seed for the samples, and for the assignment of heights to pillars; default: {}", Sampling::SEED
+    ))]
+    seed: Option<u64>,
     /// Keep the landing position of the case file, instead of random positions on the lattice
     #[arg(long)]
     keep_offset: bool,
@@ -991,7 +992,7 @@ impl Design {
                      pattern.pillar.height=0.1um"
                         .to_owned(),
                 )),
-                None => Ok(None),
+                None => self.check_sampling().map(|()| None),
             };
         };
         if self.free != Some(Free::Heights) {
@@ -1009,8 +1010,22 @@ impl Design {
         Ok(Some(HeightsQuestion {
             target,
             height_error: self.height_error,
-            seed: self.seed,
+            seed: self.seed.unwrap_or(Sampling::SEED),
         }))
+    }
+
+    /// Refuses options of samples without samples.
+    fn check_sampling(&self) -> Result<(), Failure> {
+        let given = [
+            ("--seed", self.seed.is_some()),
+            ("--keep-offset", self.keep_offset),
+        ];
+        match given.iter().find(|(_, is_given)| *is_given) {
+            Some((name, _)) if !self.is_spread() => Err(Failure::Argument(format!(
+                "{name} is for the samples of --samples or --tolerance: give one of these too"
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Whether a scatter is requested.
@@ -1029,7 +1044,7 @@ impl Design {
             },
             indentations: self.force_at.clone(),
             samples: self.samples.unwrap_or(Sampling::default_samples(kind)),
-            seed: self.seed,
+            seed: self.seed.unwrap_or(Sampling::SEED),
         })
     }
 }
@@ -1131,7 +1146,7 @@ pub(crate) struct Fit {
     #[arg(long, value_name = "STIFFNESS", value_parser = stiffness, allow_hyphen_values = true, default_value = "0")]
     force_slope: f64,
     /// Start from this many points, the first of which is the case, and take the best fit: avoids local minima; at least 4 if contact_point and
-    /// force_slope are free
+    /// force_slope are free, or if the first search on a flat surface does not converge
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = starts)]
     starts: usize,
     /// Standard error of forces without one in the file (N, mN, uN, nN)

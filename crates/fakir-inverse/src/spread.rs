@@ -164,6 +164,11 @@ pub enum SpreadError {
     /// The computation was stopped.
     #[error("{}", fakir_case::with_keys(.0))]
     Solve(#[from] SolveError),
+    /// Samples that are all the same.
+    #[error(
+        "nothing varies among the samples: give a tolerance, let pillars scatter with pattern.height_standard_deviation or pattern.vacancy_fraction, or let the lens land anywhere"
+    )]
+    NothingVaries,
     /// A key that is not a number of the case.
     #[error("{} has no tolerance: it must be a number that the case file gives", .0.path())]
     NotVariable(Key),
@@ -258,6 +263,9 @@ pub fn spread(
         });
     }
     let disorder = arrangement.as_ref().and_then(disorder);
+    if varied.is_empty() && disorder.is_none() && !is_anywhere {
+        return Err(SpreadError::NothingVaries);
+    }
     let is_of_file = arrangement.is_none() && matches!(case, AnyCase::HeightMap(_));
     let drawn = (!is_of_file).then(|| Drawn::of(&case));
     if let Some(value) = sampling

@@ -52,6 +52,45 @@ fn tolerances_in_per_cent_and_default_samples() {
     assert!(help.join(" ").contains(&message), "{message}");
 }
 
+#[test]
+fn options_of_samples_without_samples_are_refused() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let design = ["design", &case, "--free=pitch", "--critical-force=1mN"];
+    for (options, words) in [
+        (&["--seed", "4"][..], "--seed is for the samples"),
+        (&["--keep-offset"], "--keep-offset is for the samples"),
+        (
+            &["--keep-offset", "--samples", "3"],
+            "nothing varies among the samples",
+        ),
+    ] {
+        let outcome = bench.run(&[&design[..], options].concat());
+        assert_eq!(outcome.status, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(words), "{}", outcome.stderr);
+    }
+}
+
+#[test]
+fn the_help_names_all_keys_that_can_be_free() {
+    let help = Bench::new().result(&["design", "--help"]);
+    for key in fakir_inverse::design::free_keys() {
+        assert!(help.contains(key.path()), "{}", key.path());
+    }
+}
+
+/// pi/(2 sqrt 3) = 0.9068996..., which rounds to a fraction at which pillars overlap.
+#[test]
+fn the_surface_fraction_of_touching_pillars_is_accepted_as_printed() {
+    let bench = Bench::new();
+    let case = example("paper-intermediate.toml");
+    let arguments = ["press", &case, "--indentation=0.1um", "--set"];
+    let printed = bench.result(&[&arguments[..], &["pattern.pitch=6um"]].concat());
+    assert!(printed.contains("surface fraction 0.906899,"), "{printed}");
+    let again = bench.run(&[&arguments[..], &["pattern.surface_fraction=0.906899"]].concat());
+    assert_eq!(again.status, Some(0), "{}", again.stderr);
+}
+
 /// A key may be given without its tables if its last name is unique.
 #[test]
 fn last_names_are_enough_where_one_key_has_them() {

@@ -24,12 +24,19 @@ const LITTLE_PROMISED: f64 = 0.5;
 /// Reduction of the sum of squares, about a third of a standard error, that the interpolation of rows may hide.
 pub(super) const INTERPOLATED: f64 = 0.1;
 
+/// The same if the sum of squares was computed along the step too, from 1/1024 of it to all of it, and no part gains [`NO_GAIN`]: the reduction that one
+/// standard error makes.
+const MOST_TESTED: f64 = 1.0;
+
 /// After this number of steps [`LITTLE_PROMISED`] alone ends the search, because jumps of the contact radius may move the
 /// best fit back and forth. From then on, rows left out as past the transition remain left out.
 pub(super) const PATIENCE: usize = 30;
 
 /// The search also ends if the step in the unknowns is as small as the errors of the solver.
 const EXACT: f64 = 1e-8;
+
+/// Damping at the start.
+const FIRST_DAMPING: f64 = 1e-3;
 
 /// Largest damping; beyond it, steps are too short to have an effect.
 const MOST_DAMPING: f64 = 1e8;
@@ -132,14 +139,21 @@ pub(super) trait Descent {
 
     /// Moves to the best fit.
     fn run(&mut self, run: &Run<'_>) -> Result<Termination, FitError> {
-        let mut damping = 1e-3;
+        let mut damping = FIRST_DAMPING;
         while self.iterations() < MOST_ITERATIONS {
             if run.cancel.is_cancelled() {
                 return Err(SolveError::Interrupted.into());
             }
             self.count_iteration();
-            let Some(gain) = self.advance(&mut damping)? else {
-                return Ok(match self.is_at_end(0.0) {
+            let mut advanced = self.advance(&mut damping)?;
+            if advanced.is_none() {
+                if self.is_at_end(0.0) {
+                    return Ok(Termination::Converged);
+                }
+                advanced = self.advance_undamped(&mut damping)?;
+            }
+            let Some(gain) = advanced else {
+                return Ok(match within(self.promised(&self.step(0.0)), MOST_TESTED) {
                     true => Termination::Converged,
                     false => Termination::Stagnated,
                 });
@@ -152,6 +166,34 @@ pub(super) trait Descent {
             }
         }
         Ok(Termination::IterationLimit)
+    }
+
+    /// Moves along a part of the undamped step and returns the reduction of the sum of squares; `None` if there is none. Damped steps follow the row with the
+    /// steepest derivative. If the curve is linear over a tiny change only, as beside the end of an attached lens, they stop although all other
+    /// rows agree on a step.
+    fn advance_undamped(&mut self, damping: &mut f64) -> Result<Option<f64>, FitError> {
+        /// Number of halvings of the step.
+        const HALVINGS: i32 = 10;
+        let whole = self.bounded(self.step(0.0));
+        let now = self.chi_square();
+        for halvings in 0..=HALVINGS {
+            let part = 0.5f64.powi(halvings);
+            let step: Vec<f64> = whole.iter().map(|step| part * step).collect();
+            let trial = self.moved(&step);
+            match self.states_at(&trial) {
+                Ok(states) if self.are_enough(&states) => {
+                    let gain = now - self.trial_chi_square(&states);
+                    if gain > NO_GAIN {
+                        self.accept(trial, states);
+                        *damping = FIRST_DAMPING;
+                        return Ok(Some(gain));
+                    }
+                }
+                Err(error) if error.is_interruption() => return Err(error),
+                _ => {}
+            }
+        }
+        Ok(None)
     }
 
     /// Moves to unknowns that fit better and returns the reduction of the sum of squares; `None` if none are found. A step that leads outside

@@ -143,12 +143,12 @@ impl JointFit {
                     .to_owned(),
             );
         }
-        let of_search = format!("the fit {}", self.termination.description());
         let misfits = self.misfit_statements();
         for curve in &self.curves {
             if let Ok(fitted) = &curve.outcome {
                 let own = fitted.fit.warnings().into_iter();
-                let own = own.filter(|warning| *warning != of_search);
+                let of_search = fitted.fit.search_warning();
+                let own = own.filter(|warning| Some(warning) != of_search.as_ref());
                 warnings.extend(own.map(|warning| curve.named(&warning)));
             }
         }

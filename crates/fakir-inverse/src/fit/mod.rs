@@ -415,8 +415,8 @@ fn fit_with(
     Ok(fitted)
 }
 
-/// Smallest number of starts with a free contact point and a free slope of the force.
-const STARTS_OF_SLOPES: usize = 4;
+/// Smallest number of starts with a free contact point and a free slope of the force, and on a flat surface if the first search does not converge.
+const MORE_STARTS: usize = 4;
 
 impl<'a> Model<'a> {
     /// Runs a search from each start; returns the best one and all starts.
@@ -437,7 +437,13 @@ impl<'a> Model<'a> {
         let is_tilted = [Parameter::ContactPoint, Parameter::ForceSlope]
             .iter()
             .all(|parameter| self.free.contains(parameter));
-        let least = if is_tilted { STARTS_OF_SLOPES } else { 1 };
+        // On a flat surface a search takes a second.
+        let is_stuck = self.is_flat() && termination != Termination::Converged;
+        let least = if is_tilted || is_stuck {
+            MORE_STARTS
+        } else {
+            1
+        };
         for number in 1..options.starts.max(least) {
             match self.search(self.other_start(&begin, number), run, direct) {
                 Ok((other, ended)) => {
@@ -1173,8 +1179,8 @@ impl<'a> Search<'a> {
             )
     }
 
-    /// Tests of whether the fit describes the data.
-    fn misfit(&self) -> Result<Misfit, FitError> {
+    /// Tests of whether the fit describes the data. Beside the best fit, any fixed parameter may seem wrong: none is tested before the search has converged.
+    fn misfit(&self, termination: Termination) -> Result<Misfit, FitError> {
         let freedom = self.data.len().saturating_sub(self.unknowns.len());
         let given = !self.has_scatter() && freedom > 0;
         let chi_square = self.chi_square_of_values();
@@ -1182,7 +1188,10 @@ impl<'a> Search<'a> {
             runs: self.runs()?,
             chi_square_p_value: given.then(|| misfit::chi_square_above(chi_square, freedom)),
             small_chi_square_p_value: given.then(|| misfit::chi_square_below(chi_square, freedom)),
-            left_out: self.left_out(freedom)?,
+            left_out: match termination {
+                Termination::Converged => self.left_out(freedom)?,
+                _ => Vec::new(),
+            },
         })
     }
 
@@ -1520,7 +1529,7 @@ impl<'a> Search<'a> {
             force_drift: settings.force_drift,
             force_slope: settings.force_slope,
             moments: self.model.moments.clone(),
-            misfit: self.misfit()?,
+            misfit: self.misfit(termination)?,
             rate: self.rate_test(freedom),
             starts: Vec::new(),
             solutions: self.model.solved() + self.solved.get(),

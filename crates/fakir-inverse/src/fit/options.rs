@@ -19,6 +19,7 @@ pub struct FitOptions {
     pub force_drift: f64,
     /// Slope of the reading without any force over the displacement from the first row on, N/m: value or initial value.
     pub force_slope: f64,
-    /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1. At least four if contact point and slope of the force are free.
+    /// Number of starts, to avoid local minima, up to [`MOST_STARTS`]; 0 counts as 1. At least four if contact point and slope of the force are free, or if the first search on
+    /// a flat surface does not converge.
     pub starts: usize,
 }

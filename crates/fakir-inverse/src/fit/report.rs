@@ -41,10 +41,18 @@ fn value_words(parameter: Parameter, value: f64) -> String {
 }
 
 impl Fit {
-    /// Message to the user if the fit does not describe the data.
+    /// Message to the user if the fit does not describe the data; `None` if the search did not converge, which is the reason then.
     #[must_use]
     pub fn misfit_statement(&self) -> Option<String> {
-        self.misfit.statement(value_words)
+        let is_best = self.termination == Termination::Converged;
+        is_best.then(|| self.misfit.statement(value_words))?
+    }
+
+    /// Warning that the search did not converge, with what to try.
+    pub(super) fn search_warning(&self) -> Option<String> {
+        let description = self.termination.description();
+        let is_best = self.termination == Termination::Converged;
+        (!is_best).then(|| format!("the fit {description}; try several starts, as with --starts 8, or other initial values"))
     }
 
     /// Warnings about quantities whose residuals are as large as their computed values: errors estimated from them hide what no test of residuals sees.
@@ -167,9 +175,7 @@ impl Fit {
             )),
         }
         warnings.extend(self.error_of_cells());
-        if self.termination != Termination::Converged {
-            warnings.push(format!("the fit {}", self.termination.description()));
-        }
+        warnings.extend(self.search_warning());
         warnings.extend(self.misfit_statement());
         warnings.extend(self.strangers());
         warnings.extend(self.rate.as_ref().and_then(RateTest::statement));

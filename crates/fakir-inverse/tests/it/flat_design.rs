@@ -152,6 +152,49 @@ fn designs_with_adhesion_and_films() {
     );
 }
 
+/// The search ends a million times below its start of 50 mJ/m^2; `3/2 pi w R` there is 0.235619449 nN. Near the target, the closest value has the digits in which they
+/// differ.
+#[test]
+fn where_a_search_ends_it_states_its_range() {
+    let file = file(&["adhesion.work=50mJ/m2"]);
+    let load = Load::Indentation(2e-6);
+    let least = 1.5 * PI * WORK * 1e-6 * 1e-3;
+    let statement = |force: f64| {
+        let (free, wanted) = (Key::WorkOfAdhesion, Wanted::PullOff { force, load });
+        let design = design(&file, free, wanted, &Run::default()).unwrap();
+        let answer = Answer {
+            free,
+            wanted,
+            design,
+        };
+        assert!(
+            matches!(
+                answer.design,
+                Design::OutOfReach {
+                    limit: Limit::Distance(_),
+                    ..
+                }
+            ),
+            "{:?}",
+            answer.design
+        );
+        answer.statement()
+    };
+    let far = statement(0.5 * least);
+    for words in [
+        "No adhesion.work from 5.00e-5 mJ/m2 to ",
+        "the closest value is 0.235619 nN, at ",
+        ", where the search ends; with another initial adhesion.work it may find one",
+    ] {
+        assert!(far.contains(words), "{far}");
+    }
+    let near = statement(least * (1.0 - 1e-8));
+    assert!(
+        near.contains("the closest value is 0.235619449 nN"),
+        "{near}"
+    );
+}
+
 /// The force at an indentation of the paper's pattern is that of the case in which the pitch is found again.
 #[test]
 fn the_force_at_an_indentation_is_a_target_on_pillars() {

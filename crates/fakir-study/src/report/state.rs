@@ -10,6 +10,7 @@ use fakir::problem::{
 };
 use fakir::state::{ContactState, ErrorEstimate, FloorErrors, Limit, Normalized};
 use fakir_case::unit::{Dimension, format_quantity};
+use std::f64::consts::PI;
 use std::fmt::Write;
 
 /// Largest number of digits of contact radii.
@@ -30,7 +31,7 @@ pub(crate) fn with_derivatives(text: String, gradient: Option<&GradientObject>) 
 
 /// Description of the pattern in one line: `surface fraction 0.1, pitch 18.0692 um, lens axis on a pillar`.
 pub fn pillar_pattern_line(system: &System) -> String {
-    let fraction = plain(system.pattern().surface_fraction());
+    let fraction = surface_fraction(system.pattern().surface_fraction());
     let pitch = with_unit(system.pitch(), Dimension::Length, DIGITS);
     let line = match system.arrangement() {
         Arrangement::Hexagonal(lattice) => format!(
@@ -154,6 +155,18 @@ fn axis(offset: f64, angle: f64) -> String {
 fn plain(value: f64) -> String {
     let rounded: f64 = format!("{value:.*e}", DIGITS - 1).parse().unwrap_or(value);
     rounded.to_string()
+}
+
+/// A surface fraction; that of touching pillars is rounded down, because a larger one is refused in a case file.
+fn surface_fraction(value: f64) -> String {
+    const UNIT: f64 = 1e-6;
+    let touching = PI / (2.0 * 3f64.sqrt());
+    let rounded_up = value <= touching && plain(value).parse().is_ok_and(|it: f64| it > touching);
+    if rounded_up {
+        plain((value / UNIT).floor() * UNIT)
+    } else {
+        plain(value)
+    }
 }
 
 /// Description of a work of adhesion.

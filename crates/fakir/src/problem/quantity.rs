@@ -313,7 +313,7 @@ impl fmt::Display for Requirement {
                  is {diameter:.4e} m)"
             ),
             Self::SurfaceFraction => f.write_str(
-                "greater than 0 and at most pi/(2 sqrt 3) = 0.9069, where neighbouring pillars touch",
+                "greater than 0 and at most pi/(2 sqrt 3) = 0.906899..., where neighbouring pillars touch",
             ),
             Self::Tilt => f.write_str("from 0 to 10 deg (0.175 rad), the range of small slopes"),
             Self::KnownElastic { least, most } => write!(
