@@ -85,17 +85,17 @@ fn first_table(case: &AnyCase) -> Result<Option<(GivenFile, Values)>, StartError
     };
     let name = Path::new(&path).file_name().unwrap_or_default();
     let file = GivenFile::new(name.to_string_lossy().into_owned(), &contents);
-    let word = |word: &str| Some(Setting::Word(word.to_owned()));
+    let word = |word: &str| Setting::Word(word.to_owned());
+    // Without an axis the page takes the pillar nearest to the middle, as for a table that is dropped on it.
+    let axis = |key: Key| setting(key).unwrap_or(Setting::Number(0.0));
     let values = [
         (Key::Lattice, word("listed")),
         (Key::Pillars, word(&file.name)),
-        (Key::AxisX, setting(Key::AxisX)),
-        (Key::AxisY, setting(Key::AxisY)),
+        (Key::AxisX, axis(Key::AxisX)),
+        (Key::AxisY, axis(Key::AxisY)),
     ];
-    let given = values
-        .into_iter()
-        .filter_map(|(key, value)| Some((key.path().to_owned(), value?)))
-        .collect();
+    let given = values.map(|(key, value)| (key.path().to_owned(), value));
+    let given = given.into_iter().collect();
     Ok(Some((file, given)))
 }
 
