@@ -119,12 +119,6 @@ const CHECKS: [Check; 15] = [
     ),
     second(Lane::Solvers, "campaign", "random systems", campaign::check),
     second(
-        Lane::Solvers,
-        "package",
-        "what is published, installed and used",
-        release::check,
-    ),
-    second(
         Lane::Publications,
         "book",
         "every block of the manual",
@@ -162,6 +156,12 @@ const CHECKS: [Check; 15] = [
         "site",
         "the static site in a browser",
         site::check,
+    ),
+    second(
+        Lane::Publications,
+        "package",
+        "what is published, installed and used",
+        release::check,
     ),
 ];
 
