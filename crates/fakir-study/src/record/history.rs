@@ -99,6 +99,11 @@ impl Recorded for HistoryEvent {
     fn rows() -> Vec<Named<Self>> {
         vec![
             Named::number("time_s", "time of the event", |it: &Self| it.time).symbol("t"),
+            Named::number(
+                "time_error_s",
+                "estimated error of the time, without that of the elastic contacts",
+                |it: &Self| it.time_error,
+            ),
             Named::word(
                 "event",
                 "`first contact`, `contact again`, `floor contact`, `largest contact`, `smallest contact`, `floor lost` or `detachment`",

@@ -73,11 +73,12 @@ pub fn history(
     let mut coarse = body.solved(protocol, steps, true);
     let count = protocol.segments().len().max(1);
     loop {
-        let fine = body.solved(protocol, 2 * steps, true);
+        let mut fine = body.solved(protocol, 2 * steps, true);
         let [force_error, indentation_error] = fine.differences(&coarse);
         steps *= 2;
         let is_enough = force_error.max(indentation_error) <= TOLERANCE;
         if is_enough || 2 * steps > MOST_STEPS || 2 * steps * count > MOST_STEPS_IN_ALL {
+            fine.set_time_errors(&coarse);
             return body.finished(protocol, fine, [force_error, indentation_error]);
         }
         coarse = fine;
@@ -129,8 +130,10 @@ pub fn history_by_steps(
     steps: usize,
 ) -> History {
     let body = Body::new(curve, relaxation, critical);
-    let fine = body.solved(protocol, steps, false);
-    let errors = fine.differences(&body.solved(protocol, steps.div_ceil(2), false));
+    let mut fine = body.solved(protocol, steps, false);
+    let coarse = body.solved(protocol, steps.div_ceil(2), false);
+    let errors = fine.differences(&coarse);
+    fine.set_time_errors(&coarse);
     body.finished(protocol, fine, errors)
 }
 
@@ -281,9 +284,20 @@ impl<'a> Body<'a> {
                         }
                     }
                 };
-                let target = Target::of(segment.prescribed, values[1]);
-                bed.step(self, target, ends[1]);
-                solved.push(bed.state(self, target), self);
+                let target = |at: f64| {
+                    let part = (at - ends[0]) / (ends[1] - ends[0]);
+                    let value = if at < ends[1] {
+                        values[0] + part * (values[1] - values[0])
+                    } else {
+                        values[1]
+                    };
+                    Target::of(segment.prescribed, value)
+                };
+                let change = bed.contact_change(self, &target, ends[1]);
+                for end in change.into_iter().chain([ends[1]]) {
+                    bed.step(self, target(end), end);
+                    solved.push(bed.state(self, target(end)), self);
+                }
             }
             time += segment.duration;
         }
@@ -913,18 +927,18 @@ impl Solved {
         let rounding = ROUNDING * (body.curve.last() - first);
         use HistoryEventKind as Kind;
         if from <= first && to > first {
-            let approach = if before.indentation < first {
-                (first - before.indentation) / (state.indentation - before.indentation)
-            } else {
-                0.0
-            };
             let has_left = self.events.iter().any(|it| it.kind == Kind::Detachment);
-            let kind = if has_left {
-                Kind::Recontact
+            // A surface that has been touched recovers while the lens approaches: the time step begins at the contact.
+            let event = if has_left {
+                (0.0, Kind::Recontact)
+            } else if before.indentation < first {
+                let approach =
+                    (first - before.indentation) / (state.indentation - before.indentation);
+                (approach, Kind::FirstContact)
             } else {
-                Kind::FirstContact
+                (0.0, Kind::FirstContact)
             };
-            found.push((approach, kind));
+            found.push(event);
         }
         if let Some(critical) = body.critical {
             if from < critical && to >= critical {
@@ -954,12 +968,34 @@ impl Solved {
             let between = |a: f64, b: f64| a + part * (b - a);
             self.events.push(HistoryEvent {
                 time: between(before.time, state.time),
+                time_error: 0.0,
                 kind,
                 force: between(before.force, state.force),
                 indentation: between(before.indentation, state.indentation),
             });
         }
         self.states.push(state);
+    }
+
+    /// Sets the errors of the times of events: their differences from a solution with longer steps, and without the same event there, the
+    /// longer of the time steps beside it.
+    fn set_time_errors(&mut self, coarse: &Self) {
+        let times: Vec<f64> = self.states.iter().map(|state| state.time).collect();
+        let is_same = self.events.len() == coarse.events.len();
+        for (place, event) in self.events.iter_mut().enumerate() {
+            let same = coarse.events.get(place);
+            let same = same.filter(|it| is_same && it.kind == event.kind);
+            event.time_error = match same {
+                Some(same) => (event.time - same.time).abs(),
+                None => {
+                    let above = times.partition_point(|time| *time < event.time);
+                    let from = above.saturating_sub(1);
+                    let to = (above + 1).min(times.len() - 1);
+                    let steps = times[from..=to].windows(2);
+                    steps.map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
+                }
+            };
+        }
     }
 
     /// The largest differences of force and indentation from a solution with longer steps, as an estimate of the own errors: of second
@@ -1077,6 +1113,39 @@ impl Bed {
 
     fn front(&self) -> f64 {
         self.levels[self.inside]
+    }
+
+    /// Time within the next step at which the lens leaves or touches the surface; `None` if it does neither. This is where a prescribed
+    /// indentation equals that at which the lens just touches the recovering surface. A prescribed force vanishes at the ends of segments only.
+    fn contact_change(
+        &self,
+        body: &Body<'_>,
+        target: &dyn Fn(f64) -> Target,
+        end: f64,
+    ) -> Option<f64> {
+        let first = body.curve.first_touch();
+        // Distance of the lens from the surface without contact.
+        let gap = |time: f64| match target(time) {
+            Target::Position { value, .. } => {
+                let moved = Moved::new(self, body, time - self.time);
+                moved.with_front(first).indentation(body) - value
+            }
+            Target::Force(_) => f64::NAN,
+        };
+        if matches!(target(end), Target::Force(_)) || end <= self.time {
+            return None;
+        }
+        let was_off = self.is_off || self.front() <= first;
+        let at_end = gap(end);
+        if was_off == (at_end >= 0.0) {
+            return None;
+        }
+        let ends = [(self.time, gap(self.time)), (end, at_end)];
+        let ends = ends.map(|(position, value)| Point { position, value });
+        let root = roots::find(ends, 0.0, |time| Ok::<_, ()>(gap(time)));
+        // On the side without contact, so that the next step begins or ends there.
+        let time = root.ok().flatten()?.above.position;
+        (time > self.time && time < end).then_some(time)
     }
 
     /// Continues to a time, at which the target is met.

@@ -94,6 +94,8 @@ impl HistoryEventKind {
 pub struct HistoryEvent {
     /// Its time, s.
     pub time: f64,
+    /// Estimated error of its time, s, without that of the elastic contacts.
+    pub time_error: f64,
     /// What happens.
     pub kind: HistoryEventKind,
     /// Force, N.

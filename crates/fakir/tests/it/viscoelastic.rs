@@ -125,22 +125,72 @@ fn ting(relaxation: &Relaxation, turn: f64, speed: f64, t: f64) -> [f64; 2] {
             .sum::<f64>()
     };
     let off = |t1: f64| area(t - t1) - 2.0 * area(t - turn);
-    let (mut low, mut high) = (0.0, turn);
-    if off(low) < 0.0 {
+    if off(0.0) < 0.0 {
         return [0.0, 0.0];
     }
+    let low = zero(0.0, turn, off);
+    let force = integral(0.0, low.sqrt(), |u| {
+        relaxation.at(t - u * u) * 1.5 * STIFFNESS * speed.powf(1.5) * u * 2.0 * u
+    });
+    [force, speed * low]
+}
+
+/// The zero of a function that changes its sign once, by bisection.
+fn zero(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let is_above = f(low) >= 0.0;
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if off(middle) > 0.0 {
+        if (f(middle) >= 0.0) == is_above {
             low = middle;
         } else {
             high = middle;
         }
     }
-    let force = integral(0.0, low.sqrt(), |u| {
-        relaxation.at(t - u * u) * 1.5 * STIFFNESS * speed.powf(1.5) * u * 2.0 * u
-    });
-    [force, speed * low]
+    low
+}
+
+/// Expected, with one relaxation time and a speed of 1 in either direction: detachment where Ting's condition holds for the whole contact,
+/// `∫_0^t E(t - s) zeta'(s) ds = 0`, for any elastic curve; contact again where the level of the recovering surface has decreased to the
+/// indentation that is held. That level is the sum of the strains that the released levels have left: `g/(1 + g) (1 - exp(-T/tau))` after a
+/// contact of duration `T`, which decays with the retardation time `(1 + g) tau`.
+#[test]
+fn times_of_detachment_and_contact_again() {
+    for [strength, time, turn] in [[1.5, 2.0, 1.5], [0.4, 10.0, 1.9], [3.0, 0.2, 1.0]] {
+        let relaxation = Relaxation::new(&[strength], &[time]).unwrap();
+        let area = |age: f64| age + strength * time * (1.0 - (-age / time).exp());
+        let left_at = |touched: f64| {
+            zero(turn, 2.0 * turn, |t| {
+                area(t - touched) - 2.0 * area(t - turn)
+            })
+        };
+        let detached = left_at(0.0);
+        let held = 0.5 * (2.0 * turn - detached);
+        let retardation = (1.0 + strength) * time;
+        let level = |t: f64| {
+            integral(0.0, turn, |touched| {
+                let left = left_at(touched);
+                let strain = 1.0 - (-(left - touched) / time).exp();
+                strength / (1.0 + strength) * strain * (-(t - left) / retardation).exp()
+            })
+        };
+        let at_detachment = level(detached);
+        assert!((at_detachment - (2.0 * turn - detached)).abs() < 1e-6);
+        let again = detached + retardation * (at_detachment / held).ln();
+        let protocol = indented(&[[turn, turn], [held, turn - held], [held, 2.0 * again]]);
+        for exponent in [1.0, 1.5, 2.5] {
+            let found = history(&power_law(exponent), &relaxation, &protocol, None);
+            for (kind, expected) in [
+                (HistoryEventKind::Detachment, detached),
+                (HistoryEventKind::Recontact, again),
+            ] {
+                let event = found.events.iter().find(|it| it.kind == kind).unwrap();
+                let off = (event.time - expected).abs();
+                assert!(off < 2e-4 * expected, "{kind:?}: {off} {event:?}");
+                assert!(off <= event.time_error + 1e-9, "{kind:?}: {off} {event:?}");
+                assert!(event.force.abs() < 1e-9, "{event:?}");
+            }
+        }
+    }
 }
 
 /// Largest differences from Ting's solution, relative to the largest force and indentation.

@@ -30,7 +30,7 @@
 //! change of the contact with an eighth of the work of adhesion: by so much the work at which edges advance may be off on cells of any size.
 //!
 //! A contact area is a number of whole cells. Its error is estimated in the same way, and is never smaller than a fraction of the cells
-//! along the edge of the contact, which are counted fully or not at all.
+//! along the edge of the contact, which are counted fully or not at all, with adhesion a cell along fronts.
 
 use super::surface_level::{Level, Pressed, check_whole, separation};
 use crate::numerics::convergence::{larger, smaller};
