@@ -604,7 +604,7 @@ class HistoryNumbers(Answer):
     time_to_floor_contact: Number[float | None]
     'Time at which the lens reaches the floor, in the protocol or later if its last load is held (s); None if it never does, or without a floor.'
     time_to_equilibrium: Number[float | None]
-    'Time from which force and indentation stay within 1 % of equilibrium (s); None if that is later than the protocol, and not a step and a hold.'
+    'Time from which force and indentation stay within 1 % of equilibrium, in the protocol or later if its last load is held (s); None if that is later and the contact has receded.'
     critical_force: Number[float | None]
     'Critical force of slow loading, at the relaxed modulus, F_c (N); None without a floor.'
     critical_indentation: Number[float | None]

@@ -109,8 +109,8 @@ impl SurfaceExample {
     }
 }
 
-/// Smallest height difference of a map that is not flat, m: a hundredth of an atom.
-const LOWEST_RELIEF: f64 = 1e-12;
+/// Smallest height difference of a map that is not flat, m: a tenth of an atom. Smaller ones are heights in another unit, or rounding.
+const LOWEST_RELIEF: f64 = 1e-11;
 
 /// Largest height difference over the extent of a map; larger values are implausible.
 const HIGHEST_RELIEF: f64 = 2.0;

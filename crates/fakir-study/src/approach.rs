@@ -127,7 +127,7 @@ pub enum ApproachError {
     },
     /// The loading ends before first contact.
     #[error(
-        "the lens first touches a pillar at an indentation of {}: up to {} there is no contact; give more",
+        "the lens first touches the surface at an indentation of {}: up to {} there is no contact; give a larger load",
         rounded_length(*first_touch), rounded_length(*end)
     )]
     BelowFirstTouch {

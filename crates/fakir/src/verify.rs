@@ -226,6 +226,12 @@ impl Difference {
         Self { relative, allowed }
     }
 
+    /// Whether the difference and what is allowed are rounding errors, as those of a prescribed value.
+    #[must_use]
+    pub fn is_of_rounding(&self) -> bool {
+        within(larger(self.relative.abs(), self.allowed), ROUNDING)
+    }
+
     /// Whether the difference is at most the sum of the error estimates and rounding.
     #[must_use]
     pub fn is_allowed(&self) -> bool {

@@ -187,7 +187,7 @@ fn a_loading_continues_through_the_transition() {
     ]);
     assert_eq!(outcome.status, Some(2));
     assert!(
-        outcome.stderr.contains("first touches a pillar"),
+        outcome.stderr.contains("first touches the surface"),
         "{}",
         outcome.stderr
     );

@@ -156,7 +156,11 @@ impl<K: Kind> Computed<K> {
                     time,
                     Dimension::Time,
                     LENGTH_DIGITS,
-                    String::new(),
+                    if time > end.time {
+                        "after the end, if the load is held".to_owned()
+                    } else {
+                        String::new()
+                    },
                 );
             }
             None => {

@@ -206,7 +206,7 @@ impl<'a> Recorded for HistoryAnswer<'a> {
             ),
             Named::number_if_any(
                 "time_to_equilibrium_s",
-                "time from which force and indentation stay within 1 % of equilibrium; `null` if that is later than the protocol, and not a step and a hold",
+                "time from which force and indentation stay within 1 % of equilibrium, in the protocol or later if its last load is held; `null` if that is later and the contact has receded",
                 |it: &Answer<'a>| it.time_to_equilibrium,
             ),
             Named::number_if_any(

@@ -251,7 +251,7 @@ pub(crate) fn further_on(indentation: f64, force: f64) -> String {
 
 /// Description of the difference of two answers; empty for the prescribed quantity.
 pub fn difference(name: &str, difference: Difference) -> String {
-    if difference.allowed == 0.0 {
+    if difference.allowed == 0.0 || difference.is_of_rounding() {
         return String::new();
     }
     format!(

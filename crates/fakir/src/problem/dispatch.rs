@@ -594,7 +594,7 @@ static RULES: &[Rule] = &[
         HEIGHT_MAP,
         &[],
         "only one method, boundary elements, supports a height map",
-        "use `verify`, which solves pillars on two meshes, or `press` and `transition`, which estimate their error",
+        "use `press` and `transition`, which estimate the error from larger cells; pillars of a `[surface]` are also solved on two meshes by `verify`",
     )),
     // Flat surfaces.
     meaningless(rule(

@@ -3,6 +3,7 @@
 #![doc = include_str!("../../doc/rendered/viscoelastic.md")]
 
 use super::elastic_curve::ElasticCurve;
+use crate::numerics::convergence::larger;
 use crate::numerics::quadrature::gauss_legendre;
 use crate::numerics::roots::{self, Point};
 use crate::problem::{Creep, Prescribed, Protocol, Relaxation, RelaxationTerm};
@@ -807,23 +808,7 @@ impl<'a> Body<'a> {
         }
         match &solved.grown {
             Some(growing) => {
-                let memory = self.transformed(&self.to_stress, &growing.memory[0]);
-                let wanted = self.curve.force_at(critical);
-                let missing = |time: f64| {
-                    let span = [0.0, time.max(f64::MIN_POSITIVE)];
-                    self.strain_of_force(span, [last.to; 2], &memory, time) - wanted
-                };
-                let mut end = self.longest;
-                while missing(end) < 0.0 && end.is_finite() {
-                    end *= 2.0;
-                }
-                let ends = [0.0, end].map(|position| Point {
-                    position,
-                    value: missing(position),
-                });
-                let root = roots::find(ends, 0.0, |time| Ok::<_, ()>(missing(time)));
-                let root = root.ok().flatten()?;
-                Some(growing.time + root.closest().position)
+                self.reached_while_held(growing, last.to, self.curve.force_at(critical))
             }
             None => {
                 let mut segments = protocol.segments().to_vec();
@@ -841,6 +826,47 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// Time at which the elastic force of a growing contact reaches a value if a force is held from its last state on.
+    fn reached_while_held(&self, growing: &Growing, force: f64, wanted: f64) -> Option<f64> {
+        let memory = self.transformed(&self.to_stress, &growing.memory[0]);
+        let later = self.time_of_zero(|time| {
+            let span = [0.0, time.max(f64::MIN_POSITIVE)];
+            self.strain_of_force(span, [force; 2], &memory, time) - wanted
+        })?;
+        Some(growing.time + later)
+    }
+
+    /// Time from which force and indentation are near equilibrium if the last load is held after a protocol in which the contact has only
+    /// grown.
+    fn settled_while_held(&self, protocol: &Protocol, growing: &Growing) -> Option<f64> {
+        let last = protocol.segments().last()?;
+        match last.prescribed {
+            Prescribed::Force => {
+                self.reached_while_held(growing, last.to, self.near_equilibrium(last.to))
+            }
+            Prescribed::Indentation => {
+                let elastic = self.curve.force_at(growing.indentation);
+                let kept = |time: f64| {
+                    let terms = self.terms.iter().zip(&growing.memory[0]);
+                    terms
+                        .map(|(term, memory)| {
+                            term.strength * (elastic - memory) * (-time / term.time).exp()
+                        })
+                        .sum::<f64>()
+                };
+                let later = self.time_of_zero(|time| SETTLED * elastic - kept(time))?;
+                Some(growing.time + later)
+            }
+        }
+    }
+
+    /// Elastic force of the contact near the equilibrium under a force.
+    fn near_equilibrium(&self, force: f64) -> f64 {
+        let first = self.curve.first_touch();
+        let depth = self.curve.indentation_at(force).max(first) - first;
+        self.curve.force_at(first + (1.0 - SETTLED) * depth)
+    }
+
     fn time_to_equilibrium(
         &self,
         protocol: &Protocol,
@@ -855,45 +881,60 @@ impl<'a> Body<'a> {
             // In closed form.
             return match hold.prescribed {
                 Prescribed::Force if hold.to > 0.0 => {
-                    let near = self.curve.first_touch()
-                        + (1.0 - SETTLED)
-                            * (equilibrium.contact_indentation - self.curve.first_touch());
-                    self.creep.time_to(self.curve.force_at(near) / hold.to)
+                    self.creep.time_to(self.near_equilibrium(hold.to) / hold.to)
                 }
                 Prescribed::Indentation if equilibrium.force > 0.0 => self.relaxed_to(SETTLED),
                 _ => Some(0.0),
             };
         }
-        let is_near = |state: &HistoryState| {
-            let near = |value: f64, end: f64| (value - end).abs() <= SETTLED * end.abs();
-            near(state.force, equilibrium.force) && near(state.indentation, equilibrium.indentation)
+        let distance = |state: &HistoryState| {
+            let from = |value: f64, end: f64| (value - end).abs() - SETTLED * end.abs();
+            let [force, indentation] = [
+                from(state.force, equilibrium.force)
+                    / equilibrium.force.abs().max(f64::MIN_POSITIVE),
+                from(state.indentation, equilibrium.indentation)
+                    / equilibrium.indentation.abs().max(f64::MIN_POSITIVE),
+            ];
+            larger(force, indentation)
         };
-        let states = solved.states.iter().rev();
-        let near = states.take_while(|state| is_near(state)).last()?;
-        Some(near.time)
+        let states = &solved.states;
+        let far = states.iter().rposition(|state| distance(state) > 0.0);
+        let Some(far) = far else {
+            return states.first().map(|state| state.time);
+        };
+        let Some(near) = states.get(far + 1) else {
+            return self.settled_while_held(protocol, solved.grown.as_ref()?);
+        };
+        // Within the time step: the distance from equilibrium decreases exponentially.
+        let [before, after] = [&states[far], near].map(|state| distance(state) + SETTLED);
+        let part = (before / SETTLED).ln() / (before / after.max(f64::MIN_POSITIVE)).ln();
+        Some(states[far].time + part.clamp(0.0, 1.0) * (near.time - states[far].time))
     }
 
     /// Time after which the modulus is no more than this part above the relaxed one.
     fn relaxed_to(&self, part: f64) -> Option<f64> {
-        let above = |time: f64| {
+        self.time_of_zero(|time| {
             let terms = self.terms.iter();
-            terms
+            part - terms
                 .map(|term| term.strength * (-time / term.time).exp())
                 .sum::<f64>()
-                - part
-        };
-        if above(0.0) <= 0.0 {
+        })
+    }
+
+    /// Time at which a function that increases over the relaxation times reaches 0.
+    fn time_of_zero(&self, function: impl Fn(f64) -> f64) -> Option<f64> {
+        if function(0.0) >= 0.0 {
             return Some(0.0);
         }
         let mut end = self.longest;
-        while above(end) > 0.0 && end.is_finite() {
+        while function(end) < 0.0 && end.is_finite() {
             end *= 2.0;
         }
         let ends = [0.0, end].map(|position| Point {
             position,
-            value: above(position),
+            value: function(position),
         });
-        let root = roots::find(ends, 0.0, |time| Ok::<_, ()>(above(time)));
+        let root = roots::find(ends, 0.0, |time| Ok::<_, ()>(function(time)));
         Some(root.ok().flatten()?.closest().position)
     }
 }

@@ -115,8 +115,8 @@ pub struct History {
     pub time_to_floor_contact: Option<f64>,
     /// The state in which the bodies are relaxed if the last load is held for ever.
     pub equilibrium: HistoryState,
-    /// Time from which force and indentation stay within 1 % of that, s: in the protocol, or later if it is one step and hold. `None` if it
-    /// is not known.
+    /// Time from which force and indentation stay within 1 % of that, s: in the protocol, or later if the last load is held. `None` if it
+    /// is later and the contact has receded.
     pub time_to_equilibrium: Option<f64>,
     /// Estimated error of the force and of that on the floor, relative to the largest force, without that of the elastic contacts.
     pub force_error: f64,

@@ -4,7 +4,7 @@
 use crate::common::{INTERMEDIATE, paper_lattice, paper_system};
 use fakir::problem::{
     FlatSystem, Lens, Load, Material, Method, PillarCompliance, Prescribed, Protocol,
-    ProtocolSegment, Relaxation, System,
+    ProtocolSegment, Relaxation, RelaxationTerm, System,
 };
 use fakir::solve::elastic_curve::ElasticCurve;
 use fakir::solve::viscoelastic::{
@@ -112,6 +112,35 @@ fn creep_and_relaxation() {
     }
     let settled = found.time_to_equilibrium.unwrap();
     assert!((relaxation.at(settled) - 1.01).abs() < 1e-9);
+}
+
+/// Expected: after a ramp of duration `T` to a fixed indentation of a flat punch, the force exceeds the relaxed one by the parts
+/// `g tau/T (1 - exp(-T/tau)) exp(-(t - T)/tau)`, whether the protocol ends before these have decayed to 1 % or later.
+#[test]
+fn time_to_equilibrium_after_a_ramp() {
+    let (relaxation, duration) = (several(), 4.0);
+    let excess = |t: f64| -> f64 {
+        let part = |term: &RelaxationTerm| {
+            let ratio = duration / term.time;
+            let begun = term.strength * (1.0 - (-ratio).exp()) / ratio;
+            begun * (-(t - duration) / term.time).exp()
+        };
+        relaxation.terms().iter().map(part).sum()
+    };
+    let expected = zero(duration, 1e4, |t| excess(t) - 0.01);
+    let settled = |held: f64| {
+        let hold = ramp(Prescribed::Indentation, 1.0, held);
+        let segments = vec![ramp(Prescribed::Indentation, 1.0, duration), hold];
+        let protocol = Protocol::new(segments).unwrap();
+        let found = history(&power_law(1.0), &relaxation, &protocol, None);
+        found.time_to_equilibrium.unwrap()
+    };
+    let [later, within] = [settled(0.2 * expected), settled(3.0 * expected)];
+    assert!((later / expected - 1.0).abs() < 1e-6, "{later} {expected}");
+    assert!(
+        (within / expected - 1.0).abs() < 1e-2,
+        "{within} {expected}"
+    );
 }
 
 /// The force of a sphere that is pressed down and pulled back at the same speed, after T. C. T. Ting (J. Appl. Mech. 33, 845 (1966)): the

@@ -48,7 +48,7 @@ pub(super) const EDGE: f64 = 0.25;
 /// The same along the front of an adhesive contact, which rests up to a cell from the edge of a disc of the same energy release rate: a whole cell of
 /// the radius of a disc, whose `8 r` sides are those of a square. Found: 0.2 to 0.7 cells inside the disc of Johnson, Kendall and Roberts on 16 to 96
 /// cells across (test of the areas of adhesive tops). At the rim of a pillar the front is that of the pillar, and [`EDGE`] holds.
-const EDGE_OF_FRONTS: f64 = 0.25 * std::f64::consts::PI;
+const EDGE_OF_FRONTS: f64 = 0.25 * PI;
 
 /// Memory per cell of the surface, bytes: heights, separation, start and the returned fields.
 const BYTES_PER_CELL: usize = 60;
