@@ -263,7 +263,7 @@ pub fn spread(
         });
     }
     let disorder = arrangement.as_ref().and_then(disorder);
-    if varied.is_empty() && disorder.is_none() && !is_anywhere {
+    if varied.is_empty() && disorder.is_none() && !is_anywhere && !is_random {
         return Err(SpreadError::NothingVaries);
     }
     let is_of_file = arrangement.is_none() && matches!(case, AnyCase::HeightMap(_));

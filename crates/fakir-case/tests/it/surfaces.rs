@@ -268,6 +268,12 @@ fn absurd_heights_are_refused_with_the_unit_that_was_meant() {
     assert!(meant.contains("= \"1 um\" or \"1 nm\"?"), "{meant}");
     let error = refused("cell_size = \"2 um\"\nheight_unit = 1e-15").unwrap();
     assert!(error.what_is_accepted().unwrap().contains("\"1 nm\""));
+    // Metres taken for micrometres: 2.3 pm are less than an atom.
+    let error = refused("cell_size = \"2 um\"\nheight_unit = \"0.0001 nm\"").unwrap();
+    assert!(
+        error.problem().starts_with("heights differ by 0.0023 nm"),
+        "{error}"
+    );
     for fine in ["1 nm", "-1 nm", "0.1 um"] {
         let more = format!("cell_size = \"2 um\"\nheight_unit = \"{fine}\"");
         assert!(refused(&more).is_none(), "{fine}");
