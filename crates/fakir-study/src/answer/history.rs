@@ -281,7 +281,6 @@ fn event_columns(events: &[HistoryEvent]) -> Vec<Column<HistoryEvent>> {
     vec![
         Column::text("event", |event: &HistoryEvent| event.kind.name().to_owned()),
         Column::quantity("time", Dimension::Time, events, |event| Some(event.time)),
-        Column::time_error("± time", events, |event| Some(event.time_error)),
         Column::force(
             "force",
             events,

@@ -33,11 +33,6 @@ impl<T: 'static> Column<T> {
         Self::scaled(name, Dimension::Force, rows, value, known)
     }
 
-    /// An estimated error of a time.
-    pub fn time_error(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
-        Self::scaled(name, Dimension::Time, rows, value, |_| 2)
-    }
-
     /// A length without an error estimate.
     pub fn length(name: &str, rows: &[T], value: fn(&T) -> Option<f64>) -> Self {
         Self::scaled(name, Dimension::Length, rows, value, |_| LENGTH_DIGITS)
